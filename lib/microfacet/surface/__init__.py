@@ -1,0 +1,1 @@
+"""Explicit surfaces: ground truth that the analytic models are held against."""
