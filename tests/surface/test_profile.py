@@ -86,12 +86,13 @@ heights = st.lists(st.integers(0, 8), min_size=2, max_size=6)
 
 @given(heights=heights, numerator=st.integers(-40, 40))
 def test_lattice_profiles_against_exact_arithmetic(heights: list[int], numerator: int) -> None:
-    """Nodes on a lattice: many facets are seen edge-on or hidden to the very vertex."""
+    """Nodes on a lattice: many facets are hidden to the very vertex, or seen edge-on, where only the length counts."""
     n = len(heights)
     profile = Profile(np.arange(n + 1) / n, np.array([*heights, heights[0]]) / 8)
-    slope = Fraction(numerator, 8)
-    fraction = profile.visible(direction(np.arctan2(numerator, 8))).fraction
-    np.testing.assert_allclose(fraction, np.array(painter(profile, slope), dtype=float), atol=1e-12)
+    wo = direction(np.arctan2(numerator, 8))
+    exact = np.array(painter(profile, Fraction(numerator, 8)), dtype=float)
+    expected = exact * profile.whole.projected(wo)
+    np.testing.assert_allclose(profile.visible(wo).projected(wo), expected, atol=1e-14)
 
 
 @pytest.mark.parametrize("profile", PROFILES)
