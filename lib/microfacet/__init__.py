@@ -1,0 +1,32 @@
+"""Microfacet models: distributions of normals, masking and shadowing, and whether a model is one.
+
+import microfacet as mf
+model = mf.Smith(mf.GGX(0.3, 0.1))
+mf.Microfacet(model).evaluate(wo, wi)
+mf.validate(model)
+mf.equations["visibility.ggx.Lambda"].latex
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+__version__ = "0.1.0"
+
+PUBLIC = {
+    "GGX": "geometry.ggx",
+    "equations": "statement",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in PUBLIC:
+        raise AttributeError(f"microfacet has no {name!r}; it has {', '.join(sorted(PUBLIC))}")
+    value = getattr(importlib.import_module(f"microfacet.{PUBLIC[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted([*PUBLIC, "__version__"])

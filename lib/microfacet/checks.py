@@ -1,0 +1,245 @@
+"""The checks of a statement: is it proved, does its kernel keep its digits, and where is it worst?"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import zlib
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import mpmath
+import numpy as np
+import sympy as sp
+
+from microfacet.notation import Direction
+from microfacet.statement import Equation, expand_abbreviations, reference
+
+POINTS = 300  # arguments at which a kernel is compared with 50 digits, in each precision
+AGREE = 30  # digits to which two forms of a statement must agree where both have 50
+
+
+@dataclass
+class Mark:
+    """One kind of check: status is "pass", "fail" or "none" (does not apply); detail says what was found."""
+
+    status: str = "none"
+    detail: str = ""
+    measured: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass
+class Record:
+    """What the checks of one statement found."""
+
+    key: str
+    marks: dict[str, Mark]
+    stated_at: str = ""
+
+    @property
+    def failures(self) -> list[str]:
+        return [f"{kind}: {mark.detail}" for kind, mark in self.marks.items() if mark.status == "fail"]
+
+    @property
+    def verdict(self) -> str:
+        return "fail" if self.failures else "pass"
+
+    def as_json(self) -> dict[str, Any]:
+        message = "" if not self.failures else f"{self.key} ({self.stated_at}): " + "; ".join(self.failures)
+        return {**asdict(self), "verdict": self.verdict, "message": message}
+
+
+def check(equation: Equation) -> Record:
+    """Every check that applies to the statement."""
+    marks = {"symbolic": symbolic(equation), "numeric": numeric(equation)}
+    return Record(equation.key, marks, equation.stated_at)
+
+
+# --- symbolic -------------------------------------------------------------------------------------------------------
+
+
+def vanishes(expression: Any) -> bool:
+    """Whether sympy proves the expression to be zero."""
+    attempts: tuple[Callable[[Any], Any], ...] = (
+        lambda e: e,
+        sp.simplify,
+        lambda e: sp.simplify(e.rewrite(sp.erf)),
+        lambda e: sp.simplify(sp.radsimp(e)),
+        lambda e: sp.simplify(sp.expand(sp.expand_trig(e))),
+    )
+    value = expand_abbreviations(sp.sympify(expression)).doit()
+    return any(attempt(value) == 0 for attempt in attempts)
+
+
+def _claims(equation: Equation) -> Iterable[tuple[str, Any]]:
+    """What has to vanish: definition against closed form, closed form against stable rewrite."""
+    if equation.proof is not None:
+        for k, claim in enumerate(equation.proof(), 1):
+            yield f"step {k} of the proof", claim
+    elif equation.means is not None and equation.equals is not None and equation.relation == "=":
+        yield "closed form = definition", equation.means - equation.equals
+    if equation.rewrite_proof is not None:
+        for k, claim in enumerate(equation.rewrite_proof(), 1):
+            yield f"step {k} of the rewrite", claim
+    elif equation.computed_as is not None:
+        stated = equation.equals if equation.equals is not None else equation.means
+        yield "stable rewrite = closed form", equation.computed_as.subs(equation.where) - stated.subs(equation.where)
+
+
+def symbolic(equation: Equation) -> Mark:
+    """Prove every claim of the statement with sympy."""
+    claims = list(_claims(equation))
+    failed = [name for name, claim in claims if not vanishes(claim)]
+    if failed:
+        return Mark("fail", f"sympy cannot prove: {', '.join(failed)}")
+    if not claims:
+        return Mark("none", "a definition")
+    return Mark("pass", equation.proved_by or "sympy: " + ", ".join(name for name, _ in claims))
+
+
+# --- numeric --------------------------------------------------------------------------------------------------------
+
+
+def ulps(value: float, exact: mpmath.mpf, real: type) -> float:
+    """Distance of a computed value from the exact one, in units of the exact value's last place."""
+    if not math.isfinite(value):
+        return math.inf
+    if exact == 0:
+        return 0.0 if value == 0 else math.inf
+    spacing = mpmath.ldexp(1, mpmath.frexp(exact)[1] - np.finfo(real).nmant - 1)
+    return float(abs(mpmath.mpf(value) - exact) / spacing)
+
+
+def representable(exact: mpmath.mpf, real: type) -> bool:
+    limits = np.finfo(real)
+    return exact == 0 or float(limits.tiny) <= abs(exact) <= float(limits.max)
+
+
+def numeric(equation: Equation) -> Mark:
+    """Kernels against 50 digits, and the forms of the statement against each other, over the declared domain."""
+    if not equation.over or not sp.sympify(equation.computed).free_symbols:
+        return Mark("none", "nothing to compute")
+    disagreement = forms_disagree(equation)
+    if disagreement:
+        return Mark("fail", disagreement)
+    worst = {real.__name__: worst_error(equation, real) for real in (np.float64, np.float32)}
+    measured = {name: {"ulps": error, "at": where} for name, (error, where) in worst.items()}
+    broken = [
+        f"{name} kernel off by {error:.3g} ulps (promised {promise:g}) at {where}"
+        for (name, (error, where)), promise in zip(worst.items(), equation.within, strict=True)
+        if not error <= promise
+    ]
+    if broken:
+        return Mark("fail", "; ".join(broken), measured)
+    return Mark("pass", ", ".join(f"{name} {error:.2g} ulps" for name, (error, _) in worst.items()), measured)
+
+
+def worst_error(equation: Equation, real: type) -> tuple[float, str]:
+    """The largest error of the kernel over sampled arguments, in ulps, and the arguments where it occurs."""
+    points = sample(equation, real)
+    values = np.atleast_1d(equation.kernel(*points.T))
+    if values.dtype != real:
+        return math.inf, f"everywhere: the kernel returns {values.dtype}"
+    worst, where = 0.0, ""
+    for point, value in zip(points, values, strict=True):
+        exact = equation.exact(*point)
+        if representable(exact, real) and (error := ulps(float(value), exact, real)) >= worst:
+            named = zip(equation.arguments, point, strict=True)
+            worst, where = error, ", ".join(f"{name}={float(v):.9g}" for name, v in named)
+    return worst, where
+
+
+def forms_disagree(equation: Equation) -> str:
+    """A sentence if definition, closed form and stable rewrite are not the same number at some argument, else nothing."""
+    forms = {"means": equation.means, "equals": equation.equals, "computed_as": equation.computed_as}
+    usable = {name: sp.sympify(form).subs(equation.where) for name, form in forms.items() if _evaluable(form)}
+    if len(usable) < 2 or equation.relation != "=":
+        return ""
+    symbols = sorted(set().union(*(form.free_symbols for form in usable.values())), key=str)
+    evaluators = {name: reference(form, symbols) for name, form in usable.items()}
+    for point in itertools.islice(_printed_points(equation, symbols), 12):
+        values = {name: evaluate(*point) for name, evaluate in evaluators.items()}
+        base = next(reversed(values.values()))
+        if not representable(base, np.float64):
+            continue
+        for name, value in values.items():
+            if abs(value - base) > abs(base) * mpmath.mpf(10) ** -AGREE:
+                at = ", ".join(f"{s}={float(v):.6g}" for s, v in zip(symbols, point, strict=True))
+                return f"{name} differs from {next(reversed(values))} by {float(abs(value - base)):.3g} at {at}"
+    return ""
+
+
+def _evaluable(form: Any) -> bool:
+    return form is not None and not sp.sympify(form).has(sp.Integral, sp.Derivative, sp.Limit)
+
+
+# --- arguments ------------------------------------------------------------------------------------------------------
+
+
+def _random(equation: Equation) -> np.random.Generator:
+    return np.random.default_rng(zlib.crc32(equation.key.encode()))
+
+
+def _ends(interval: Any) -> tuple[float, float]:
+    low, high = interval
+    return float(low), float(high)
+
+
+def _interval(interval: Any, share: np.ndarray) -> np.ndarray:
+    """Shares of [0, 1] mapped to an interval, by magnitude when it spans more than two decades."""
+    low, high = _ends(interval)
+    if low > 0 and high > 100 * low:
+        return np.exp(np.log(low) + share * (np.log(high) - np.log(low))).clip(low, high)
+    return low + share * (high - low)
+
+
+GRAZING = 1e-6 * math.pi / 180  # directions come this near to the horizon, in radians
+
+
+def _angle(share: np.ndarray, kind: str) -> np.ndarray:
+    """Polar angles: dense near 0 and near the horizon, where formulae break."""
+    near = np.exp(np.log(1e-9) * (1 - share)) * math.pi / 4
+    far = math.pi / 2 - np.exp(np.log(GRAZING) * share)
+    theta = np.where(np.arange(len(share)) % 2 == 0, near, np.clip(far, 0, math.pi / 2 - GRAZING))
+    return np.where(np.arange(len(share)) % 3 == 0, math.pi - theta, theta) if kind == "sphere" else theta
+
+
+def sample(equation: Equation, real: type) -> np.ndarray:
+    """Arguments over the declared domain, its corners first, rounded to the precision."""
+    random = _random(equation)
+    columns: list[np.ndarray] = []
+    corners = list(itertools.islice(itertools.product((0.0, 1.0), repeat=len(equation.over)), 64))
+    shares = np.vstack([corners, random.random((POINTS - len(corners), len(equation.over)))])
+    for (argument, domain), share in zip(equation.over.items(), shares.T, strict=True):
+        if isinstance(argument, Direction):
+            theta, phi = _angle(share, domain), random.random(len(share)) * 2 * math.pi
+            columns += [np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)]
+        else:
+            columns.append(_clip(_interval(domain, share).astype(real), domain, real))
+    return np.stack(columns, axis=1).astype(real)
+
+
+def _clip(values: np.ndarray, interval: Any, real: type) -> np.ndarray:
+    """Rounding may step over an end of the interval: step back inside."""
+    low, high = _ends(interval)
+    inside = np.where(values > high, np.nextafter(values, real(-np.inf)), values)
+    return np.asarray(np.where(inside < low, np.nextafter(inside, real(np.inf)), inside))
+
+
+def _printed_points(equation: Equation, symbols: Sequence[sp.Symbol]) -> Iterable[list[mpmath.mpf]]:
+    """Arguments in the symbols that are printed, well inside the domain."""
+    domains: dict[sp.Symbol, Any] = {}
+    for argument, domain in equation.over.items():
+        if isinstance(argument, Direction):
+            domains |= {argument.theta: (0.01, 1.56), argument.phi: (0, 6.28)}
+            domains |= dict.fromkeys(argument.components, (0.05, 0.95))
+        else:
+            domains[argument] = domain
+    random = _random(equation)
+    while True:
+        shares = random.random((len(symbols), 1))
+        yield [
+            mpmath.mpf(float(_interval(domains.get(s, (0.05, 1.5)), share)[0]))
+            for s, share in zip(symbols, shares, strict=True)
+        ]

@@ -1,0 +1,1 @@
+"""What the microsurface looks like: distributions of normals."""

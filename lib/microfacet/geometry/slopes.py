@@ -1,0 +1,177 @@
+"""Slopes: a normal is a slope, a distribution of normals is a distribution of slopes.
+
+`Distribution` is what every distribution of normals shares. To add one, write a file like ggx.py: its statements, and a
+class that names the kernel of D. All else (masking, visible normals, validation) follows from D by quadrature, unless
+the class offers a closed form.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Callable
+from functools import cache
+from math import cos, pi, sin, sqrt
+from typing import Any, ClassVar
+
+import numpy as np
+import sympy as sp
+
+from microfacet.directions import as_uniform, as_vectors
+from microfacet.kernels import Batch, Parameters
+from microfacet.notation import Direction, alpha_x, alpha_y, chi, raw, x, y
+from microfacet.statement import Equation
+
+m = Direction("m")
+P22_at_m = raw("P22", r"P_{22}(x_m, y_m)")
+
+# --- statements ---------------------------------------------------------------------------------------------------
+
+slope_x = Equation(
+    key="geometry.slopes.x",
+    title="the slope of a facet along x",
+    symbol=raw("slope_x", r"\tilde{x}"),
+    means=-m.x / m.z,
+    equals=-sp.tan(m.theta) * sp.cos(m.phi),
+    computed_as=-m.x / m.z,
+    where=m.spherical,
+    over={m: "hemisphere"},
+    slides=(64, 65),
+    cite="heitz2014",
+    proof=lambda: [(-m.x / m.z).subs(m.spherical) + sp.tan(m.theta) * sp.cos(m.phi)],
+)
+
+
+def _solid_angle() -> sp.Expr:
+    """Solid angle per slope area, from the Jacobian of the map from angles to slopes."""
+    slopes = sp.Matrix([-sp.tan(m.theta) * sp.cos(m.phi), -sp.tan(m.theta) * sp.sin(m.phi)])
+    return sp.sin(m.theta) / sp.simplify(slopes.jacobian([m.theta, m.phi]).det())
+
+
+solid_angle = Equation(
+    key="geometry.slopes.solid_angle",
+    title="solid angle per area in slope space",
+    symbol=raw("domega", r"\frac{d\omega_m}{d\tilde{x}\, d\tilde{y}}"),
+    equals=sp.cos(m.theta) ** 3,
+    computed_as=m.z**3,
+    where=m.spherical,
+    over={m: "hemisphere"},
+    proof=lambda: [_solid_angle() - sp.cos(m.theta) ** 3],
+    proved_by="sympy: Jacobian of the map from angles to slopes",
+    slides=(64,),
+    cite="heitz2014",
+)
+
+with sp.evaluate(False):
+    normals_from_slopes = Equation(
+        key="geometry.slopes.D",
+        title="a distribution of normals from a distribution of slopes",
+        symbol=raw("D_m", r"D(\omega_m)"),
+        equals=chi(sp.cos(m.theta)) * P22_at_m / sp.cos(m.theta) ** 4,
+        computed_as=chi(m.z) * P22_at_m / m.z**4,
+        where=m.spherical,
+        over={P22_at_m: (1e-6, 1e6), m: "hemisphere"},
+        slides=(64,),
+        cite="heitz2014",
+    )
+
+
+# --- what every distribution shares ---------------------------------------------------------------------------------
+
+
+class Distribution:
+    """A distribution of normals D, 1/sr, over unit microfacet normals.
+
+    parameters: what its kernels take as their last argument. scale: the two slope scales a quadrature should resolve.
+    """
+
+    kernel: ClassVar[Callable[..., float]]  # D(x, y, z, parameters)
+    sample_kernel: ClassVar[Callable[..., tuple[float, float]]]  # slopes(u1, u2, parameters)
+    sample_density: ClassVar[Callable[..., float]]  # density of those slopes at (x, y)
+    closed_Lambda: ClassVar[Callable[..., float] | None] = None  # Lambda(x, y, z, parameters)
+    parameters: Parameters
+    scale: tuple[float, float]
+
+    def D(self, wm: Any) -> Any:
+        """D(wm), shapes (..., 3) -> (...), 1/sr; 0 below the horizon. heitz2014, section 2."""
+        return _over_normals(type(self).kernel)([as_vectors("wm", wm)], self.parameters)
+
+    def P22(self, slope_x: Any, slope_y: Any) -> Any:
+        """Density of slopes, per unit slope area; shapes broadcast. heitz2014, slope space."""
+        return _over_slopes(_slope_density(type(self).kernel))([slope_x, slope_y], self.parameters)
+
+    def sample(self, u: Any) -> Any:
+        """Normals with density `pdf`, shapes (..., 2) -> (..., 3), for u in [0, 1)."""
+        return _sampler(type(self).sample_kernel)([as_uniform("u", u)], self.parameters)
+
+    def pdf(self, wm: Any) -> Any:
+        """Density of `sample`, 1/sr, shapes (..., 3) -> (...)."""
+        return _over_normals(_sampled_density(type(self).sample_density))([as_vectors("wm", wm)], self.parameters)
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({', '.join(f'{p:g}' for p in self.shown)})"
+
+    @property
+    def shown(self) -> tuple[float, ...]:
+        return tuple(self.parameters)
+
+
+@cache
+def _over_normals(kernel: Callable[..., float]) -> Batch:
+    return Batch(kernel, [3])
+
+
+@cache
+def _over_slopes(kernel: Callable[..., float]) -> Batch:
+    return Batch(kernel, [1, 1])
+
+
+@cache
+def _slope_density(D: Callable[..., float]) -> Callable[..., float]:
+    def slope_density(x: float, y: float, p: Any) -> float:
+        z = 1.0 / sqrt(1.0 + x * x + y * y)
+        return D(-x * z, -y * z, z, p) * (z * z * z * z)
+
+    return slope_density
+
+
+@cache
+def _sampler(slopes: Callable[..., tuple[float, float]]) -> Batch:
+    def normal(u1: float, u2: float, p: Any) -> tuple[float, float, float]:
+        slope_x, slope_y = slopes(u1, u2, p)
+        z = 1.0 / sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
+        return -slope_x * z, -slope_y * z, z
+
+    return Batch(normal, [2], 3)
+
+
+@cache
+def _sampled_density(density: Callable[..., float]) -> Callable[..., float]:
+    def sampled_density(x: float, y: float, z: float, p: Any) -> float:
+        if not z > 0.0:
+            return 0.0
+        return density(-x / z, -y / z, p) / (z * z * z)
+
+    return sampled_density
+
+
+def around(radius: float, u: float) -> tuple[float, float]:
+    """A point at the given distance from the origin, in the direction of the given share of a turn."""
+    return radius * cos(2.0 * pi * u), radius * sin(2.0 * pi * u)
+
+
+# --- what the files of the distributions share ------------------------------------------------------------------------
+
+
+def slope_integral(density: sp.Expr) -> sp.Integral:
+    """The integral over all slopes, printed and evaluated as such."""
+    return sp.Integral(density, (x, -sp.oo, sp.oo), (y, -sp.oo, sp.oo))
+
+
+def normals_integral(inside: str) -> sp.Symbol:
+    """The left-hand side of an integral over all normals."""
+    return raw(f"integral_{zlib.crc32(inside.encode())}", rf"\int_{{\Omega}} {inside} \, d\omega_m")
+
+
+def stretched(P: Callable[[sp.Expr, sp.Expr], sp.Expr]) -> sp.Expr:
+    """An isotropic density of slopes of unit scale, stretched to (alpha_x, alpha_y)."""
+    return P(x / alpha_x, y / alpha_y) / (alpha_x * alpha_y)

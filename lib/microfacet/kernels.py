@@ -1,0 +1,290 @@
+"""Scalar functions of plain floats become compiled loops over arrays, cached on disk.
+
+A kernel is written (or generated from a statement) as an ordinary Python function of floats, so it can be read, called
+and tested without a compiler. `Batch` collects the text of that function and of every function it calls into one
+file named after its content, and compiles a loop over arrays from it. A cached kernel can therefore never be stale:
+another text is another file.
+
+Rules for a kernel: floats only (write 2.0, not 2), no global state except float constants, tuples of floats and other
+kernels. Literals become single precision in a single-precision loop.
+"""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import hashlib
+import importlib.util
+import inspect
+import math
+import os
+import sys
+import tempfile
+import textwrap
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+from pathlib import Path
+from types import FunctionType, ModuleType
+from typing import Any
+
+import numpy as np
+
+Parameters = tuple[Any, ...]
+CHUNK = 16384  # elements a thread takes at once: large enough to hide the hand-over, small enough to balance
+
+_HEADER = """\
+from math import *
+import numpy as np
+from numba import float32, float64, njit, types
+
+R = {real}
+"""
+
+
+def cache_directory() -> Path:
+    """Where compiled kernels are kept: $MICROFACET_CACHE, else the user's cache folder."""
+    chosen = os.environ.get("MICROFACET_CACHE")
+    if chosen:
+        return Path(chosen)
+    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "microfacet"
+
+
+class ByPrecision(float):
+    """A constant of a kernel that differs between the precisions; in plain Python it is the double one."""
+
+    single: float
+
+    def __new__(cls, double: float, single: float) -> ByPrecision:
+        made = super().__new__(cls, double)
+        made.single = single
+        return made
+
+
+# --- from functions to one text -----------------------------------------------------------------------------------
+
+
+def source(function: FunctionType) -> str:
+    """The text of a kernel: generated functions carry it, written ones are looked up."""
+    text = getattr(function, "__source__", None)
+    return text if text is not None else textwrap.dedent(inspect.getsource(function))
+
+
+def _bindings(function: FunctionType) -> dict[str, Any]:
+    """What the free names of a function stand for."""
+    code = function.__code__
+    found = {name: function.__globals__[name] for name in code.co_names if name in function.__globals__}
+    for name, cell in zip(code.co_freevars, function.__closure__ or (), strict=True):
+        found[name] = cell.cell_contents
+    return found
+
+
+class _Embed(ast.NodeTransformer):
+    """Rename what a function calls, write its constants out, and give float literals the loop's precision."""
+
+    def __init__(self, name: str, names: dict[str, str], constants: dict[str, Any], real: type) -> None:
+        self.name, self.names, self.constants, self.real = name, names, constants, real
+
+    def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST:
+        node.name = self.name
+        node.decorator_list, node.returns = [], None
+        for argument in node.args.args:
+            argument.annotation = None
+        if ast.get_docstring(node) is not None:
+            node.body = node.body[1:]
+        self.generic_visit(node)
+        return node
+
+    def visit_AnnAssign(self, node: ast.AnnAssign) -> ast.AST:
+        assert node.value is not None
+        return self.generic_visit(ast.copy_location(ast.Assign([node.target], node.value), node))
+
+    def visit_Constant(self, node: ast.Constant) -> ast.AST:
+        return _real(node) if isinstance(node.value, float) else node
+
+    def visit_Name(self, node: ast.Name) -> ast.AST:
+        if node.id in self.names:
+            return ast.copy_location(ast.Name(self.names[node.id], node.ctx), node)
+        if node.id in self.constants:
+            return ast.copy_location(_literal(self.constants[node.id], self.real), node)
+        return node
+
+
+def _real(node: ast.expr) -> ast.expr:
+    return ast.Call(ast.Name("R", ast.Load()), [node], [])
+
+
+def _literal(value: Any, real: type) -> ast.expr:
+    if isinstance(value, tuple):
+        return ast.Tuple([_literal(v, real) for v in value], ast.Load())
+    if isinstance(value, int):
+        return ast.Constant(value)
+    if isinstance(value, ByPrecision) and real is np.float32:
+        value = value.single
+    return _real(ast.Constant(float(value)))
+
+
+class _Program:
+    """The functions a kernel needs, each once, callees first."""
+
+    def __init__(self, real: type) -> None:
+        self.real = real
+        self.texts: list[str] = []
+        self.names: dict[FunctionType, str] = {}
+
+    def add(self, function: FunctionType) -> str:
+        if function in self.names:
+            return self.names[function]
+        names, constants = {}, {}
+        for name, value in _bindings(function).items():
+            if isinstance(value, FunctionType):
+                names[name] = self.add(value)
+            elif isinstance(value, int | float | tuple):
+                constants[name] = value
+            elif not (value is getattr(math, name, None) or value is getattr(builtins, name, None)):
+                raise TypeError(f"kernel {function.__qualname__} uses {name}, which is no kernel and no constant")
+        unique = f"{function.__name__}_{len(self.names)}"
+        self.names[function] = unique
+        tree = _Embed(unique, names, constants, self.real).visit(ast.parse(source(function)))
+        self.texts.append("@njit(error_model='numpy')\n" + ast.unparse(ast.fix_missing_locations(tree)))
+        return unique
+
+
+# --- from one text to a compiled loop -----------------------------------------------------------------------------
+
+
+def _loop(name: str, widths: Sequence[int], outputs: int) -> str:
+    """The text of the loop: arrays of shape (n, width) or (1, width) with stride 0, then parameters, then the result."""
+    arrays = ", ".join(f"a{k}, s{k}" for k in range(len(widths)))
+    values = [f"a{k}[i * s{k}, {c}]" for k, width in enumerate(widths) for c in range(width)]
+    call = f"{name}({', '.join([*values, 'p'])})"
+    store = f"out[i, 0] = {call}" if outputs == 1 else f"{', '.join(f'out[i, {c}]' for c in range(outputs))} = {call}"
+    inputs = ", ".join("types.Array(R, 2, 'C', readonly=True), types.intp" for _ in widths)
+    return (
+        f"def compiled(p):\n"
+        f"    @njit((types.intp, types.intp, {inputs}, p, R[:, ::1]), nogil=True, cache=True, error_model='numpy')\n"
+        f"    def loop(start, stop, {arrays}, p, out):\n"
+        f"        for i in range(start, stop):\n"
+        f"            {store}\n"
+        f"    return loop\n"
+    )
+
+
+def _write(text: str) -> Path:
+    """Keep a text in the cache under its own hash; whoever comes second finds the same bytes."""
+    folder = cache_directory()
+    path = folder / f"k{hashlib.sha256(text.encode()).hexdigest()[:24]}.py"
+    if not path.exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile("w", dir=folder, suffix=".tmp", delete=False) as scratch:
+            scratch.write(text)
+        os.replace(scratch.name, path)
+    return path
+
+
+@cache
+def _load(path: Path) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(f"microfacet_kernel_{path.stem}", path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+@cache
+def _pool() -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(threads())
+
+
+def threads() -> int:
+    """How many threads a large array is shared among: $MICROFACET_THREADS, else the processors this process may use."""
+    chosen = os.environ.get("MICROFACET_THREADS")
+    return max(1, int(chosen)) if chosen else len(os.sched_getaffinity(0))
+
+
+def _cast(parameters: Any, real: type) -> Any:
+    return tuple(_cast(p, real) for p in parameters) if isinstance(parameters, tuple) else real(parameters)
+
+
+def packed(function: Callable[..., Any], free: int, parameters: int) -> FunctionType:
+    """The same kernel with its last arguments packed in one tuple, as `Batch` passes them."""
+    names = [f"v{k}" for k in range(free)]
+    unpack = [f"p[{k}]" for k in range(parameters)]
+    text = f"def {function.__name__}_packed({', '.join([*names, 'p'])}):\n    return inner({', '.join(names + unpack)})\n"
+    scope: dict[str, Any] = {"inner": function}
+    exec(text, scope)
+    made: FunctionType = scope[f"{function.__name__}_packed"]
+    made.__source__ = text  # type: ignore[attr-defined]
+    return made
+
+
+class Batch:
+    """A kernel applied over arrays.
+
+    function: a kernel of `sum(widths)` floats followed by one tuple of parameters.
+    widths: the last axis of each array argument, 1 meaning that the argument has no such axis.
+    outputs: the number of floats the kernel returns; 1 gives a result without a last axis.
+    """
+
+    def __init__(self, function: Callable[..., Any], widths: Sequence[int], outputs: int = 1) -> None:
+        self.function, self.widths, self.outputs = function, tuple(widths), outputs
+        self._loops: dict[tuple[type, Any], Callable[..., None]] = {}
+
+    def text(self, real: type) -> str:
+        """The whole program in the given precision."""
+        program = _Program(real)
+        name = program.add(self.function)  # type: ignore[arg-type]
+        header = _HEADER.format(real=np.dtype(real).name)
+        return "\n\n".join([header, *program.texts, _loop(name, self.widths, self.outputs)])
+
+    def _compiled(self, real: type, parameters: Any) -> Callable[..., None]:
+        import numba
+
+        kind = numba.typeof(parameters)
+        if (real, kind) not in self._loops:
+            module = _load(_write(self.text(real)))
+            self._loops[real, kind] = module.compiled(kind)
+        return self._loops[real, kind]
+
+    def __call__(self, arrays: Sequence[Any], parameters: Parameters = (), out: np.ndarray | None = None) -> Any:
+        """Apply to arrays that broadcast against each other; float32 in gives float32 out, all else is float64."""
+        inputs = [np.asarray(a) for a in arrays]
+        real = np.float32 if all(a.dtype == np.float32 for a in inputs) else np.float64
+        shape = np.broadcast_shapes(*(a.shape[:-1] if w > 1 else a.shape for a, w in zip(inputs, self.widths, strict=True)))
+        flat = [_flatten(a, w, shape, real) for a, w in zip(inputs, self.widths, strict=True)]
+        full = (*shape, self.outputs) if self.outputs > 1 else shape
+        result = _result(out, full, real)
+        count = math.prod(shape)
+        target = result.reshape(count, self.outputs)
+        loop = self._compiled(real, parameters := _cast(parameters, real))
+        strided = [x for a in flat for x in (a, 0 if len(a) == 1 else 1)]
+        _share(lambda start, stop: loop(start, stop, *strided, parameters, target), count)
+        return result if full or out is not None else result[()]
+
+
+def _flatten(array: np.ndarray, width: int, shape: tuple[int, ...], real: type) -> np.ndarray:
+    """Rows of the array, one for all if it has only one, otherwise one for each element of the broadcast shape."""
+    rows = array if width > 1 else array[..., None]
+    if math.prod(rows.shape[:-1]) != 1:
+        rows = np.broadcast_to(rows, (*shape, width))
+    return np.ascontiguousarray(rows, dtype=real).reshape(-1, width)
+
+
+def _result(out: np.ndarray | None, shape: tuple[int, ...], real: type) -> np.ndarray:
+    if out is None:
+        return np.empty(shape, real)
+    if not isinstance(out, np.ndarray) or out.shape != shape or out.dtype != real or not out.flags.c_contiguous:
+        kind = f"{out.dtype} {out.shape}" if isinstance(out, np.ndarray) else type(out).__name__
+        raise ValueError(f"out must be a C-contiguous {np.dtype(real).name} array of shape {shape}, got {kind}")
+    return out
+
+
+def _share(work: Callable[[int, int], None], count: int) -> None:
+    """Run work(start, stop) over range(count), on several threads when it is worth it."""
+    if count <= 2 * CHUNK or threads() == 1:
+        work(0, count)
+        return
+    step = max(CHUNK, -(-count // (8 * threads())))
+    for done in [_pool().submit(work, k, min(k + step, count)) for k in range(0, count, step)]:
+        done.result()

@@ -1,0 +1,1 @@
+"""What happens where light meets a facet: reflection, Fresnel."""

@@ -1,0 +1,161 @@
+"""The symbols of the field, once: what every statement is written in.
+
+Names are ASCII so that generated code can use them; `LATEX` says how the report prints those that sympy would not
+print the way the field writes them.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+from sympy.printing.latex import LatexPrinter
+
+# --- roughness and slopes ---------------------------------------------------------------------------------------
+
+alpha, alpha_x, alpha_y, alpha_o = sp.symbols("alpha alpha_x alpha_y alpha_o", positive=True)
+n = sp.Symbol("n", positive=True)
+x, y, q = sp.symbols("x y q", real=True)  # slopes of the microsurface along x, along y, along the view direction
+a, t, u, v = sp.symbols("a t u v", positive=True)  # a = 1/(alpha tan theta); t a squared tangent; u, v in (0, 1)
+
+# --- angles and cosines -----------------------------------------------------------------------------------------
+
+theta_o, theta_i, theta_m = sp.symbols("theta_o theta_i theta_m", positive=True)
+phi_o, phi_i, phi_m, phi = sp.symbols("phi_o phi_i phi_m phi", real=True)
+mu_o, mu_i, mu_m = sp.symbols("mu_o mu_i mu_m", positive=True)  # cosines to the geometric normal
+om, im, oh, ih = sp.symbols("om im oh ih", real=True)  # wo.wm, wi.wm, wo.wh, wi.wh
+gm = sp.Symbol("gm", real=True)  # wm.wg
+
+# --- abstract values, where a statement builds on others ----------------------------------------------------------
+
+D, F, G1, G2, Lambda_o, Lambda_i = sp.symbols("D F G1 G2 Lambda_o Lambda_i", nonnegative=True)
+P22 = sp.Function("P22")
+P2 = sp.Function("P2")
+
+LATEX: dict[sp.Symbol, str] = {
+    om: r"\left\langle \omega_o, \omega_m \right\rangle",
+    im: r"\left\langle \omega_i, \omega_m \right\rangle",
+    oh: r"\left( \omega_o \cdot \omega_h \right)",
+    ih: r"\left( \omega_i \cdot \omega_h \right)",
+    gm: r"\left( \omega_m \cdot \omega_g \right)",
+    mu_o: r"\cos \theta_o",
+    mu_i: r"\cos \theta_i",
+    mu_m: r"\cos \theta_m",
+    Lambda_o: r"\Lambda(\omega_o)",
+    Lambda_i: r"\Lambda(\omega_i)",
+    D: r"D(\omega_m)",
+    F: r"F(\omega_o, \omega_h)",
+    G1: r"G_1(\omega_o, \omega_m)",
+    G2: r"G_2(\omega_o, \omega_i, \omega_m)",
+}
+
+
+FUNCTIONS: dict[str, str] = {"Lambda_GGX": r"\Lambda", "Lambda_Beckmann": r"\Lambda"}
+
+
+class Direction:
+    """A unit vector: its name, its components, its polar angles in radians."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.x, self.y, self.z = sp.symbols(f"x_{name} y_{name} z_{name}", real=True)
+        self.theta = sp.Symbol(f"theta_{name}", positive=True)
+        self.phi = sp.Symbol(f"phi_{name}", real=True)
+        self.symbol = sp.Symbol(f"omega_{name}")
+
+    @property
+    def components(self) -> tuple[sp.Symbol, sp.Symbol, sp.Symbol]:
+        return self.x, self.y, self.z
+
+    @property
+    def spherical(self) -> dict[sp.Symbol, sp.Expr]:
+        """The components as functions of the angles."""
+        sine = sp.sin(self.theta)
+        return {self.x: sine * sp.cos(self.phi), self.y: sine * sp.sin(self.phi), self.z: sp.cos(self.theta)}
+
+    def __repr__(self) -> str:
+        return f"omega_{self.name}"
+
+
+wm, wo, wi = Direction("m"), Direction("o"), Direction("i")
+
+
+class chi(sp.Function):
+    """The Heaviside function of the field: 1 for a positive argument, otherwise 0."""
+
+    @classmethod
+    def eval(cls, argument: sp.Expr) -> sp.Expr | None:
+        if argument.is_positive:
+            return sp.Integer(1)
+        return sp.Integer(0) if argument.is_nonpositive else None
+
+    def _latex(self, printer: Any) -> str:
+        return rf"\chi^{{+}}\left( {printer.doprint(self.args[0])} \right)"
+
+
+def latex(expression: Any) -> str:
+    """LaTeX of an expression in the author's order, in the field's symbols."""
+    names = {**LATEX, **{d.symbol: rf"\omega_{d.name}" for d in (wm, wo, wi)}}
+    printer = _Printer({"order": "none", "symbol_names": names, "mul_symbol": "", "ln_notation": True})
+    return str(printer.doprint(_flat(sp.sympify(expression))))
+
+
+class _Printer(LatexPrinter):
+    """sympy's LaTeX with the field's habits: cos^4 theta without brackets, exp of a fraction on the line."""
+
+    def _trigonometric(self, name: str, argument: sp.Expr, power: str | None) -> str:
+        raised = f"^{{{power}}}" if power else ""
+        inside = self.doprint(argument)
+        return rf"\{name}{raised} {inside} " if argument.is_Symbol else rf"\{name}{raised} \left( {inside} \right)"
+
+    def _print_sin(self, e: sp.Expr, exp: str | None = None) -> str:
+        return self._trigonometric("sin", e.args[0], exp)
+
+    def _print_cos(self, e: sp.Expr, exp: str | None = None) -> str:
+        return self._trigonometric("cos", e.args[0], exp)
+
+    def _print_tan(self, e: sp.Expr, exp: str | None = None) -> str:
+        return self._trigonometric("tan", e.args[0], exp)
+
+    def _print_exp(self, e: sp.Expr, exp: str | None = None) -> str:
+        inside = self.doprint(e.args[0])
+        return rf"\exp \left( {inside} \right)" if "\\frac" in inside or "\\tan" in inside else f"e^{{{inside}}}"
+
+    def _print_Integral(self, e: sp.Integral) -> str:
+        text = str(super()._print_Integral(e)).replace(r"\int\limits", r"\int")
+        return rf"{text} "
+
+    def _print_Function(self, e: sp.Expr, exp: str | None = None) -> str:
+        if isinstance(e, AppliedUndef):
+            name = FUNCTIONS.get(e.func.__name__, e.func.__name__)
+            return rf"{name}({', '.join(map(self.doprint, e.args))})" + (f"^{{{exp}}}" if exp else "")
+        name = _ROMAN.get(e.func.__name__, e.func.__name__)
+        return rf"\mathrm{{{name}}}{f'^{{{exp}}}' if exp else ''}\left( {', '.join(map(self.doprint, e.args))} \right)"
+
+    _print_erf = _print_erfc = _print_asinh = _print_atanh = _print_asin = _print_acos = _print_atan = _print_Function
+
+
+_ROMAN = {"atanh": "artanh", "asinh": "arsinh", "atan": "arctan", "asin": "arcsin", "acos": "arccos"}
+
+
+def _flat(e: sp.Basic) -> sp.Basic:
+    """Sums of sums and products of products written as one, without factors 1: as an author writes them."""
+    if not e.args:
+        return e
+    args = [_flat(argument) for argument in e.args]
+    if isinstance(e, sp.Add | sp.Mul):
+        args = [inner for arg in args for inner in (arg.args if isinstance(arg, type(e)) else (arg,))]
+        if isinstance(e, sp.Mul):
+            args = [arg for arg in args if arg != 1] or [sp.Integer(1)]
+        return args[0] if len(args) == 1 else e.func(*args, evaluate=False)
+    if isinstance(e, sp.Pow):
+        return sp.Pow(*args, evaluate=False)
+    return e.func(*args)
+
+
+def raw(name: str, printed: str, **assumptions: Any) -> sp.Symbol:
+    """A symbol for a left-hand side or a value that the report prints in its own way."""
+    symbol = sp.Symbol(name, **assumptions)
+    LATEX[symbol] = printed
+    return symbol

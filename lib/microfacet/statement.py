@@ -1,0 +1,335 @@
+"""An equation is stated once: its print, its 50-digit reference, its kernel and its checks come from one statement."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import inspect
+import math
+import pkgutil
+import re
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from types import FunctionType
+from typing import Any
+
+import mpmath
+import sympy as sp
+from sympy.core.function import AppliedUndef
+
+from microfacet.arithmetic import exp_minus_square
+from microfacet.kernels import Batch, packed, source
+from microfacet.notation import Direction, chi, latex
+
+DIGITS = 50
+Interval = tuple[Any, Any]
+Ulps = tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Equation:
+    """A statement.
+
+    key: dotted name, stage first. title: what it says, in words. symbol: the left-hand side.
+    means: the definition. equals: the closed form. computed_as: the closed form rewritten so that it keeps its digits.
+    computed_by: a kernel written by hand, where no rewriting suffices; checked against `equals` all the same.
+    over: the arguments, in order: a symbol with its interval, or a Direction with "hemisphere" or "sphere".
+    within: the promised error of the kernel in ulps, (double, single). where: arguments in terms of printed symbols.
+    relation: "=" or, for a bound, r"\\le" or r"\\ge".
+    proof: gives the expressions that sympy must find to be zero, in place of the default (means - equals);
+    rewrite_proof: likewise in place of (computed_as - equals). proved_by: how, in words. slides: where in the talk. cite: BibTeX key and equation. note: what a reader should know.
+    """
+
+    key: str
+    title: str
+    symbol: Any
+    means: Any = None
+    equals: Any = None
+    computed_as: Any = None
+    computed_by: Callable[..., Any] | None = None
+    over: Mapping[Any, Any] = field(default_factory=dict)
+    within: Ulps = (8.0, 8.0)
+    where: Mapping[Any, Any] = field(default_factory=dict)
+    relation: str = "="
+    proof: Callable[[], Sequence[Any]] | None = None
+    rewrite_proof: Callable[[], Sequence[Any]] | None = None
+    proved_by: str = ""
+    slides: tuple[int, ...] = ()
+    cite: str = ""
+    note: str = ""
+    stated_at: str = field(init=False, default="")
+
+    def __post_init__(self) -> None:
+        frame = sys._getframe(2)  # who wrote Equation(...): one frame above the generated __init__
+        object.__setattr__(self, "stated_at", f"{frame.f_globals['__name__']}, line {frame.f_lineno}")
+        if self.key in _registry:
+            raise ValueError(f"equation {self.key} is stated twice")
+        if self.means is None and self.equals is None:
+            raise ValueError(f"equation {self.key} states nothing: give means or equals")
+        _registry[self.key] = self
+        if isinstance(self.symbol, AppliedUndef):
+            _abbreviations[self.symbol.func] = self
+
+    # --- print ------------------------------------------------------------------------------------------------
+
+    @property
+    def latex(self) -> str:
+        """The statement as the report prints it: symbol = definition = closed form."""
+        left, *right = [latex(e) for e in (self.symbol, self.means, self.equals) if e is not None]
+        signs = ["="] * (len(right) - 1) + [self.relation]
+        if len(right) == 1 or sum(map(_printed_width, [left, *right])) < 62:
+            return " ".join([left, *(f"{s} {r}" for s, r in zip(signs, right, strict=True))])
+        lines = r" \\ ".join(f"&{s} {r}" for s, r in zip(signs, right, strict=True))
+        return rf"\begin{{aligned}} {left} {lines} \end{{aligned}}"
+
+    @property
+    def latex_computed(self) -> str | None:
+        """The stable rewrite as the report prints it, if there is one."""
+        return None if self.computed_as is None else f"{latex(self.symbol)} = {latex(self.computed_as)}"
+
+    # --- evaluate ---------------------------------------------------------------------------------------------
+
+    @property
+    def arguments(self) -> tuple[sp.Symbol, ...]:
+        """The kernel's arguments: directions give their three components."""
+        return tuple(s for d in self.over for s in (d.components if isinstance(d, Direction) else (d,)))
+
+    @property
+    def computed(self) -> Any:
+        """The expression that kernel and reference evaluate."""
+        for form in (self.computed_as, self.equals, self.means):
+            if form is not None:
+                return form
+        raise AssertionError
+
+    def exact(self, *arguments: Any) -> mpmath.mpf:
+        """The value at the given arguments, taken as exact binary numbers, to 50 digits."""
+        return reference(self.computed, self.arguments)(*arguments)
+
+    @cached_property
+    def scalar(self) -> FunctionType:
+        """The statement as a Python function of floats: pure, readable, what the compiled loops are made of."""
+        if self.computed_by is not None:
+            return self.computed_by  # type: ignore[return-value]
+        return generate(self.key.replace(".", "_"), self.computed, self.arguments)
+
+    @cached_property
+    def _batch(self) -> Batch:
+        return Batch(packed(self.scalar, len(self.arguments), 0), [1] * len(self.arguments))
+
+    def kernel(self, *arguments: Any) -> Any:
+        """The statement over arrays, in double precision or, for float32 arguments, in single."""
+        if len(arguments) != len(self.arguments):
+            raise ValueError(f"{self.key} takes {len(self.arguments)} arguments {self.arguments}, got {len(arguments)}")
+        return self._batch(arguments)
+
+    # --- check ------------------------------------------------------------------------------------------------
+
+    def check(self) -> Any:
+        """Prove, bound and measure the statement; see microfacet.checks.Record."""
+        from microfacet.checks import check
+
+        return check(self)
+
+    @property
+    def fingerprint(self) -> str:
+        """Changes when, and only when, the outcome of the checks may change."""
+        return hashlib.sha256("\n".join(_content(self, set())).encode()).hexdigest()[:20]
+
+
+def _printed_width(text: str) -> int:
+    """Roughly how many letters wide a formula prints: commands count as one."""
+    return len(re.sub(r"\\(left|right|frac|cdot|,)|[{}\s^_]", "", re.sub(r"\\[a-z]{3,}", "x", text)))
+
+
+# --- from expression to reference ---------------------------------------------------------------------------------
+
+
+def expand_abbreviations(expression: Any) -> Any:
+    """Replace every abbreviation that another statement defines by what it stands for."""
+    while found := [f for f in sp.sympify(expression).atoms(AppliedUndef) if f.func in _abbreviations]:
+        for f in found:
+            stated = _abbreviations[f.func]
+            form = stated.equals if stated.equals is not None else stated.means
+            expression = expression.subs(f, form.subs(dict(zip(stated.symbol.args, f.args, strict=True)), simultaneous=True))
+    return expression
+
+
+def reference(expression: Any, arguments: Sequence[sp.Symbol]) -> Callable[..., mpmath.mpf]:
+    """A function that gives the expression to 50 digits: the working precision doubles until two agree.
+
+    It begins at 400 digits: a value that a double can hold has lost at most some 330 of them to cancellation.
+    """
+    translate = {"chi": lambda value: mpmath.mpf(1 if value > 0 else 0)}
+    function = sp.lambdify(arguments, expand_abbreviations(expression), modules=[translate, "mpmath"])
+
+    def evaluate(*values: Any) -> mpmath.mpf:
+        exact = [mpmath.mpf(float(v)) if not isinstance(v, mpmath.mpf) else v for v in values]
+        before, digits = None, 400
+        while digits <= 6400:
+            with mpmath.workdps(digits):
+                now = mpmath.mpf(function(*exact))
+                if before is not None and abs(now - before) <= abs(now) * mpmath.mpf(10) ** -DIGITS:
+                    return now
+            before, digits = now, 2 * digits
+        raise ArithmeticError(f"no 50 digits of {expression} at {values}")
+
+    return evaluate
+
+
+# --- from expression to kernel ------------------------------------------------------------------------------------
+
+_FUNCTIONS: dict[Any, str] = {
+    sp.log: "log",
+    sp.sin: "sin",
+    sp.cos: "cos",
+    sp.tan: "tan",
+    sp.erf: "erf",
+    sp.erfc: "erfc",
+    sp.Abs: "abs",
+    sp.Max: "max",
+    sp.Min: "min",
+    sp.atanh: "atanh",
+    sp.asinh: "asinh",
+}
+
+
+def generate(name: str, expression: Any, arguments: Sequence[sp.Symbol]) -> FunctionType:
+    """A Python function of floats that evaluates the expression as it is written."""
+    scope: dict[str, Any] = {f: getattr(math, f) for f in ("sqrt", "exp", *_FUNCTIONS.values()) if hasattr(math, f)}
+    text = f"def {name}({', '.join(map(str, arguments))}):\n    return {_code(sp.sympify(expression), scope)}\n"
+    exec(text, scope)
+    function: FunctionType = scope[name]
+    function.__source__ = text  # type: ignore[attr-defined]
+    return function
+
+
+def _code(e: Any, scope: dict[str, Any]) -> str:
+    """Python text of an expression; operations are kept in the order in which they were written."""
+    if e.is_Symbol:
+        return str(e)
+    if e.is_Number or e.is_NumberSymbol:
+        return f"({e.p}.0 / {e.q}.0)" if e.is_Rational and e.q != 1 else _decimal(e)
+    if e.is_Add:
+        return "(" + " + ".join(_code(term, scope) for term in e.args) + ")"
+    if e.is_Mul:
+        return _product(e, scope)
+    if e.is_Pow:
+        return _power(e, scope)
+    inside = [_code(argument, scope) for argument in e.args]
+    if isinstance(e, chi):
+        return f"(1.0 if {inside[0]} > 0.0 else 0.0)"
+    if isinstance(e, sp.exp):
+        return _exponential(e.args[0], scope)
+    if isinstance(e, AppliedUndef) and e.func in _abbreviations:
+        called = _abbreviations[e.func].scalar
+        scope[called.__name__] = called
+        return f"{called.__name__}({', '.join(inside)})"
+    if e.func in _FUNCTIONS:
+        return f"{_FUNCTIONS[e.func]}({', '.join(inside)})"
+    raise TypeError(f"a kernel cannot evaluate {e.func.__name__} in {e}")
+
+
+def _exponential(exponent: Any, scope: dict[str, Any]) -> str:
+    """exp(-a^2) has a kernel of its own, because rounding the square costs a^2/2 ulps."""
+    square = -exponent
+    if square.is_Pow and square.base.is_Symbol and square.exp == 2:
+        scope["exp_minus_square"] = exp_minus_square
+        return f"exp_minus_square({_code(square.base, scope)})"
+    return f"exp({_code(exponent, scope)})"
+
+
+def _decimal(number: Any) -> str:
+    text = repr(float(number))
+    return f"({text})" if text.startswith("-") else text
+
+
+def _product(e: Any, scope: dict[str, Any]) -> str:
+    below = [f for f in e.args if f.is_Pow and f.exp.is_Number and f.exp.is_negative]
+    above = [f for f in e.args if f not in below]
+    top = " * ".join(_code(f, scope) for f in above) or "1.0"
+    bottom = " * ".join(_code(sp.Pow(f.base, -f.exp, evaluate=False) if f.exp != -1 else f.base, scope) for f in below)
+    return f"({top})" if not below else f"({top} / ({bottom}))"
+
+
+def _power(e: Any, scope: dict[str, Any]) -> str:
+    base = _code(e.base, scope)
+    if e.base == sp.E:
+        return _exponential(e.exp, scope)
+    if e.exp.is_Integer and 1 <= e.exp <= 8:
+        return "(" + " * ".join([base] * int(e.exp)) + ")"
+    if e.exp == sp.Rational(1, 2):
+        return f"sqrt({base})"
+    if e.exp.is_Number and e.exp.is_negative:
+        return f"(1.0 / {_code(sp.Pow(e.base, -e.exp, evaluate=False) if e.exp != -1 else e.base, scope)})"
+    return f"({base} ** {_code(e.exp, scope)})"
+
+
+# --- the collection -----------------------------------------------------------------------------------------------
+
+_registry: dict[str, Equation] = {}
+_abbreviations: dict[Any, Equation] = {}
+
+
+class Equations(Mapping[str, Equation]):
+    """Every statement of the library by its key, in the order of the talk."""
+
+    STAGES = ("geometry", "visibility", "material", "brdf", "anisotropy", "validation")
+
+    def _load(self) -> dict[str, Equation]:
+        package = importlib.import_module("microfacet")
+        for stage in ("geometry", "visibility", "material", "brdf", "validation"):
+            stage_package = importlib.import_module(f"microfacet.{stage}")
+            for module in pkgutil.iter_modules(stage_package.__path__):
+                importlib.import_module(f"{package.__name__}.{stage}.{module.name}")
+        return _registry
+
+    def __getitem__(self, key: str) -> Equation:
+        found = self._load()
+        if key not in found:
+            import difflib
+
+            near = difflib.get_close_matches(key, found, n=3, cutoff=0.4)
+            raise KeyError(f"no equation {key!r}" + (f"; near: {', '.join(near)}" if near else ""))
+        return found[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(sorted(self._load(), key=lambda key: self.STAGES.index(key.split(".")[0])))
+
+    def __len__(self) -> int:
+        return len(self._load())
+
+    def fingerprints(self) -> dict[str, str]:
+        """For each key a digest that changes when the outcome of its checks may change."""
+        return {key: self[key].fingerprint for key in self}
+
+
+equations = Equations()
+
+
+def _content(thing: Any, seen: set[int]) -> list[str]:
+    """Everything that the outcome of a check depends on, as text."""
+    if id(thing) in seen:
+        return []
+    seen.add(id(thing))
+    if isinstance(thing, Equation):
+        return _equation_content(thing, seen)
+    if isinstance(thing, FunctionType):
+        named = inspect.getclosurevars(thing)
+        used = {**named.globals, **named.nonlocals}
+        return [source(thing), *(line for name in sorted(used) for line in _content(used[name], seen))]
+    if isinstance(thing, sp.Basic):
+        called = [_abbreviations[f.func] for f in thing.atoms(AppliedUndef) if f.func in _abbreviations]
+        return [sp.srepr(thing), *(line for e in sorted(called, key=lambda e: e.key) for line in _content(e, seen))]
+    return [repr(thing)] if isinstance(thing, int | float | str | tuple) else []
+
+
+def _equation_content(e: Equation, seen: set[int]) -> list[str]:
+    lines = [e.key, repr(e.within), e.relation]
+    for form in (e.symbol, e.means, e.equals, e.computed_as, *e.where.values(), *e.over.values()):
+        lines += _content(form if isinstance(form, tuple | str) else sp.sympify(form), seen)
+    for function in (e.proof, e.rewrite_proof, e.computed_by):
+        lines += _content(function, seen) if function is not None else []
+    return [*lines, repr(e.over)]

@@ -1,0 +1,1 @@
+"""Whether a model is one: the validation equations, quadrature, enclosures, statistical tests."""

@@ -1,0 +1,1 @@
+"""What of the microsurface is seen: masking, shadowing, visible normals."""
