@@ -1,0 +1,45 @@
+# make report   build/report.pdf, with all it needs installed into .venv from requirements.lock
+# make test     the tests
+# make lint     style, types, direction of imports
+#
+# Another interpreter: make report PYTHON=python3.12
+
+PYTHON ?= python3
+SNAKEMAKE_OPTIONS ?=
+BIN := .venv/bin
+READY := .venv/ready
+
+unexport PYTHONDONTWRITEBYTECODE PYTHONHOME PYTHONPATH VIRTUAL_ENV
+export UV_PYTHON_DOWNLOADS := never
+
+.PHONY: report test test-all lint lock clean
+.DELETE_ON_ERROR:
+
+report: $(READY)
+	@$(BIN)/snakemake $(SNAKEMAKE_OPTIONS)
+
+test: $(READY)
+	@$(BIN)/pytest -n auto
+
+test-all: $(READY)
+	@$(BIN)/pytest -n auto -m ""
+
+lint: $(READY)
+	@$(BIN)/ruff check
+	@$(BIN)/ruff format --check
+	@$(BIN)/mypy
+	@$(BIN)/python workflow/direction.py
+	@$(BIN)/snakemake --lint
+
+# The environment: an interpreter that is new enough, uv by its hash, then everything else by its.
+$(READY): requirements.lock pyproject.toml
+	@sh workflow/environment.sh "$(PYTHON)"
+	@touch $@
+
+# Solve anew within pyproject.toml (the lock is good for every supported Python).
+lock: $(READY)
+	@$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --extra report \
+	    --generate-hashes --no-header --no-annotate pyproject.toml -o requirements.lock
+
+clean:
+	rm -rf build .snakemake

@@ -1,0 +1,188 @@
+"""The report, from statements to pages.
+
+    statement -> check -> ledger -> gate ---------------\
+                 data  -> figure -----------------------> report
+                          statements, data -> chapter ---/
+
+snakemake                everything             snakemake masking     the figure of that name
+snakemake -n             what is to be done     snakemake slide_39    the figures of that slide
+"""
+
+import os
+import sys
+from pathlib import Path
+
+sys.path.insert(0, "workflow")
+sys.path.insert(1, "lib")
+
+import build  # noqa: E402
+import closure  # noqa: E402
+import inventory  # noqa: E402
+
+shell.executable("bash")
+shell.prefix("set -euo pipefail; ")
+build.settle_environment()
+
+FIGURES = inventory.figures()
+CHAPTERS = inventory.chapters()
+
+
+wildcard_constraints:
+    key=r"[\w.]+",
+    name=r"\w+",
+    chapter=r"\w+",
+
+
+localrules:
+    all,
+
+
+rule all:
+    input:
+        "build/report.pdf",
+        expand("build/figures/{name}.svg", name=FIGURES),
+
+
+rule check:
+    output:
+        "build/checks/{key}.json",
+    params:
+        fingerprint=lambda wildcards: build.statement(wildcards.key)["fingerprint"],
+    log:
+        "build/logs/check/{key}.log",
+    message:
+        "check    {wildcards.key}"
+    conda:
+        "environment.yml"
+    shell:
+        "python -m microfacet check {wildcards.key} --out {output} 2> {log}"
+
+
+rule ledger:
+    input:
+        expand("build/checks/{key}.json", key=inventory.statements()),
+    output:
+        "build/ledger.json",
+    params:
+        told=build.digest(inventory.statements()),
+    log:
+        "build/logs/ledger.log",
+    message:
+        "ledger   {output}"
+    conda:
+        "environment.yml"
+    shell:
+        "python workflow/ledger.py gather build/checks {output} 2> {log}"
+
+
+rule gate:
+    input:
+        "build/ledger.json",
+    output:
+        "build/gate",
+    log:
+        "build/logs/gate.log",
+    message:
+        "gate     no statement may have failed"
+    conda:
+        "environment.yml"
+    shell:
+        "python workflow/ledger.py gate {input} {output} build/report.pdf 2> {log}"
+
+
+rule data:
+    input:
+        script=lambda wildcards: build.figure(wildcards.name).data_script,
+        imports=lambda wildcards: build.imports(build.figure(wildcards.name).data_script),
+    output:
+        "build/data/{name}.npz",
+    log:
+        "build/logs/data/{name}.log",
+    message:
+        "data     {wildcards.name}"
+    conda:
+        "environment.yml"
+    shell:
+        "python {input.script} {output} 2> {log}"
+
+
+rule figure:
+    input:
+        script=lambda wildcards: build.figure(wildcards.name).script,
+        data=lambda wildcards: build.figure(wildcards.name).data,
+        imports=lambda wildcards: build.imports(build.figure(wildcards.name).script),
+        style="figures/report.mplstyle",
+    output:
+        report(
+            "build/figures/{name}.svg",
+            category="Figures",
+            caption="workflow/figure.rst",
+            labels={"figure": "{name}"},
+        ),
+        "build/figures/{name}.pdf",
+        "build/figures/{name}.png",
+    params:
+        caption=lambda wildcards: build.figure(wildcards.name).words,
+    log:
+        "build/logs/figure/{name}.log",
+    message:
+        "figure   {wildcards.name}"
+    conda:
+        "environment.yml"
+    shell:
+        "python {input.script} {input.data} {output} 2> {log}"
+
+
+rule chapter:
+    input:
+        text="chapters/{chapter}.md",
+        data=lambda wildcards: build.chapter_data(wildcards.chapter),
+        imports=lambda wildcards: build.chapter_imports(wildcards.chapter),
+        tools=["workflow/chapter.py", "workflow/cells.py", "workflow/filter.lua"],
+    output:
+        markdown="build/chapters/{chapter}.md",
+        typst="build/chapters/{chapter}.typ",
+    params:
+        named=lambda wildcards: build.chapter_names(wildcards.chapter),
+    log:
+        "build/logs/chapter/{chapter}.log",
+    message:
+        "chapter  {wildcards.chapter}"
+    conda:
+        "environment.yml"
+    shell:
+        "python workflow/chapter.py {input.text} {output.markdown} {output.typst} 2> {log}"
+
+
+rule report:
+    input:
+        "build/gate",
+        "build/ledger.json",
+        chapters=expand("build/chapters/{chapter}.typ", chapter=build.texts()),
+        figures=expand("build/figures/{name}.svg", name=build.figures_in_chapters()),
+        works="chapters/references.bib",
+        title="CITATION.cff",
+        tools=["workflow/report.py", "workflow/template.typ"],
+    output:
+        report("build/report.pdf", category="Report"),
+    params:
+        source=build.source_options(),
+    log:
+        "build/logs/report.log",
+    message:
+        "report   {output}"
+    conda:
+        "environment.yml"
+    shell:
+        "python workflow/report.py {output} {params.source} 2> {log}"
+
+
+include: "workflow/targets.smk"
+
+
+onstart:
+    build.take_turn()
+
+
+onerror:
+    Path("build/report.pdf").unlink(missing_ok=True)

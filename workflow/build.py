@@ -1,0 +1,135 @@
+"""What the Snakefile asks: inputs, parameters and targets, looked up in the inventory."""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import json
+import os
+import shlex
+import sys
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import closure
+import inventory
+import provenance
+import report
+
+ENDINGS = (".svg", ".pdf", ".png")
+LOCK = Path(".snakemake/turn")
+held: list[Any] = []
+
+
+def settle_environment() -> None:
+    """Jobs run this interpreter, one thread each, and keep their byte code."""
+    here = str(Path(sys.executable).parent)
+    os.environ["PATH"] = here + os.pathsep + os.environ.get("PATH", "")
+    os.environ["PYTHONPATH"] = str(Path("lib").resolve())
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    threads = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+    os.environ |= dict.fromkeys(threads, "1") | {"MPLBACKEND": "agg", "PYTHONHASHSEED": "0"}
+
+
+def take_turn() -> None:
+    """One build at a time in one checkout; the system frees the lock when a build is killed."""
+    LOCK.parent.mkdir(exist_ok=True)
+    handle = LOCK.open("w")
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        inventory.stop("Another build is running in this checkout: wait for it to end.")
+    held.append(handle)
+
+
+def digest(value: object) -> str:
+    text = json.dumps(value, sort_keys=True, ensure_ascii=False)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+# Statements and figures ------------------------------------------------------------------------
+
+
+def statement(key: str) -> dict[str, Any]:
+    found = inventory.statements().get(key)
+    return found or inventory.stop(inventory.unknown("equation", key, inventory.statements()))
+
+
+def figure(name: str) -> inventory.Figure:
+    found = inventory.figures().get(name)
+    return found or inventory.stop(inventory.unknown("figure", name, inventory.figures()))
+
+
+@cache
+def imports(script: Path) -> list[str]:
+    return closure.of_script(script)
+
+
+def targets() -> dict[str, list[str]]:
+    """Target -> the figures it redraws."""
+    by_slide = {f"slide_{n}": inventory.figures_of_slide(n) for n in inventory.drawn_slides()}
+    return {name: [name] for name in inventory.figures()} | by_slide
+
+
+def refuse_unknown(arguments: list[str], rules: Iterable[str]) -> None:
+    """One sentence for a target that is neither a rule, a figure, a slide nor a file."""
+    known = sorted(rules)
+    for target in asked_for([word for word in arguments if word not in known]):
+        path = Path(target)
+        if path.parent == Path("build/figures") and path.suffix in ENDINGS:
+            figure(path.stem)
+        elif "/" not in target and not path.is_file():
+            kind = "drawn slide" if target.startswith("slide") else "figure or other target"
+            inventory.stop(inventory.unknown(kind, target, known))
+
+
+def asked_for(arguments: list[str]) -> list[str]:
+    """The targets among the words of a snakemake command line."""
+    if all(word.startswith("-") for word in arguments):
+        return []
+    from snakemake.cli import get_argument_parser
+
+    return list(get_argument_parser().parse_known_args(arguments)[0].targets or [])
+
+
+# Chapters --------------------------------------------------------------------------------------
+
+
+def texts() -> list[str]:
+    """Chapters, and the abstract if there is one."""
+    abstract = [report.ABSTRACT] if Path(f"chapters/{report.ABSTRACT}.md").is_file() else []
+    return [*abstract, *inventory.chapters()]
+
+
+@cache
+def text(stem: str) -> inventory.Chapter:
+    return inventory.chapters().get(stem) or inventory.read_chapter(Path(f"chapters/{stem}.md"))
+
+
+def figures_in_chapters() -> list[str]:
+    """The figures the report shows; a name that does not exist is reported by its chapter."""
+    named = {name for stem in texts() for name in text(stem).named("figure")}
+    return sorted(named & set(inventory.figures()))
+
+
+def chapter_data(stem: str) -> list[str]:
+    known = inventory.figures()
+    return [path for name in text(stem).named("data") if name in known for path in known[name].data]
+
+
+def chapter_imports(stem: str) -> list[str]:
+    return sorted(str(path) for path in closure.of_source(text(stem).code))
+
+
+def chapter_names(stem: str) -> str:
+    """Changes with what the named statements and captions say, not with how a figure is drawn."""
+    statements, figures = inventory.statements(), inventory.figures()
+    latex = {key: statements.get(key, {}).get("latex") for key in text(stem).named("equation")}
+    captions = {name: figures[name].words for name in text(stem).named("figure") if name in figures}
+    return digest([latex, captions])
+
+
+def source_options() -> str:
+    return " ".join(f"--{name}={shlex.quote(value)}" for name, value in provenance.provenance().items())

@@ -1,0 +1,87 @@
+"""What a chapter's cells may call. Each helper returns Markdown: it shows in a notebook too.
+
+from cells import data, equation, figure, ledger_table, table
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import inventory
+
+
+class Markdown:
+    """Text that a notebook shows as Markdown and that the report's build hands to pandoc."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+
+    def _repr_markdown_(self) -> str:
+        return self.text
+
+
+def equation(key: str, *, again: bool = False) -> Markdown:
+    """A statement of the library, numbered, with its check marks; `again` repeats it unnumbered."""
+    statements = inventory.statements()
+    if key not in statements:
+        raise LookupError(inventory.unknown("equation", key, statements))
+    label = "" if again else f" {{#eq:{key}}}"
+    return Markdown(f"$$ {statements[key]['latex']} $$" + label)
+
+
+def figure(name: str, width: float = 100) -> Markdown:
+    """A figure by its name, `width` per cent of the text wide; its script holds the caption."""
+    figures = inventory.figures()
+    if name not in figures:
+        raise LookupError(inventory.unknown("figure", name, figures))
+    drawn = figures[name]
+    caption = f"**{drawn.title}** {drawn.caption}".strip()
+    slides = ",".join(map(str, drawn.slides))
+    image = f"build/figures/{name}.svg"
+    return Markdown(f'![{caption}]({image}){{#fig:{name} width={width:g}% slides="{slides}"}}')
+
+
+def data(name: str) -> Any:
+    """The arrays behind a figure (build/data/NAME.npz), for numbers quoted in the prose."""
+    import numpy as np
+
+    if name not in inventory.figures() or not inventory.figures()[name].data:
+        with_data = [n for n, f in inventory.figures().items() if f.data]
+        raise LookupError(inventory.unknown("figure with data", name, with_data))
+    return np.load(f"build/data/{name}.npz")
+
+
+def table(
+    rows: Sequence[Sequence[object]],
+    headers: Sequence[str],
+    *,
+    caption: str,
+    label: str,
+    align: str = "",
+) -> Markdown:
+    """A table; `align` has one letter a column (l, c, r), else numbers go right and text left."""
+    body = [[cell_text(cell) for cell in row] for row in rows]
+    if any(len(row) != len(headers) for row in body):
+        raise ValueError(f"the table {label} has rows of another length than its {len(headers)} headers")
+    letters = align or "".join(guess(list(column)) for column in zip(*rows, strict=True))
+    rule = {"l": ":--", "c": ":-:", "r": "--:"}
+    lines = [headers, [rule[letter] for letter in letters], *body]
+    text = "\n".join("| " + " | ".join(line) + " |" for line in lines)
+    return Markdown(f"{text}\n\n: {caption} {{#{label}}}")
+
+
+def cell_text(cell: object) -> str:
+    text = f"{cell:.4g}" if isinstance(cell, float) else str(cell)
+    if "|" in text or "\n" in text:
+        raise ValueError(f"a table's cell cannot hold a bar or a line break: {text!r}")
+    return text
+
+
+def guess(column: list[object]) -> str:
+    return "r" if column and all(isinstance(cell, int | float) for cell in column) else "l"
+
+
+def ledger_table() -> Markdown:
+    """Every statement, how it was checked and how well: the template sets it from the ledger."""
+    return Markdown("::: {.ledger}\n:::")

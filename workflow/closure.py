@@ -1,0 +1,258 @@
+"""Which files of this checkout a Python source really needs: its import closure.
+
+Snakemake sees declared inputs only, so every rule that runs a script declares what the script
+imports, and what that imports in turn. `import microfacet as mf` alone costs nothing: the package
+is lazy, so `mf.GGX` leads to the one module that its table of names (a dict literal in
+`__init__.py`) gives for GGX. What cannot be followed (`f(mf)`, `getattr`, a module that imports by
+computed names) counts as the whole package: too much is redone, never too little.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+PACKAGE = "microfacet"
+SOURCE_ROOT = Path("lib")
+COMPUTED_IMPORTS = {"import_module", "__import__", "iter_modules", "walk_packages", "run_module"}
+
+
+@cache
+def module_file(name: str) -> Path | None:
+    """The file of a module of the package, or None where `name` is no module."""
+    path = SOURCE_ROOT.joinpath(*name.split("."))
+    candidates = (path / "__init__.py", path.with_suffix(".py"))
+    return next((c for c in candidates if c.is_file()), None)
+
+
+def is_module(name: str) -> bool:
+    return module_file(name) is not None or SOURCE_ROOT.joinpath(*name.split(".")).is_dir()
+
+
+@cache
+def whole_package() -> frozenset[Path]:
+    return frozenset((SOURCE_ROOT / PACKAGE).rglob("*.py"))
+
+
+@cache
+def lazy_names(package: str) -> dict[str, str]:
+    """The names a package's `__init__` promises, each with the module it lives in."""
+    file = module_file(package)
+    if file is None or file.name != "__init__.py":
+        return {}
+    names: dict[str, str] = {}
+    for node in ast.parse(file.read_text("utf-8")).body:
+        value = node.value if isinstance(node, ast.Assign | ast.AnnAssign) else None
+        if isinstance(value, ast.Dict):
+            names |= table_of(package, value)
+    return names
+
+
+def table_of(package: str, table: ast.Dict) -> dict[str, str]:
+    """Name -> module out of `{"GGX": ".geometry.ggx"}` or `{"geometry.ggx": ("GGX", ...)}`."""
+    try:
+        literal = ast.literal_eval(table)
+    except ValueError:
+        return {}
+    names: dict[str, str] = {}
+    for key, value in literal.items():
+        values = [value] if isinstance(value, str) else list(value)
+        home = absolute(package, str(values[0])) if values else ""
+        if module_file(home):
+            names[key] = home
+        elif module_file(absolute(package, key)):
+            names |= dict.fromkeys(values, absolute(package, key))
+    return names
+
+
+def absolute(package: str, name: str) -> str:
+    bare = name.lstrip(".")
+    return bare if bare == package or bare.startswith(package + ".") else f"{package}.{bare}"
+
+
+def needed(package: str, attributes: list[str]) -> set[str]:
+    """The modules behind `package.a.b...`: follow submodules, then the table of lazy names."""
+    if not attributes:
+        return {"*"}
+    first, *rest = attributes
+    if home := lazy_names(package).get(first):
+        return {f"{home}.{first}"} if is_module(f"{home}.{first}") else from_module(home, first)
+    if is_module(f"{package}.{first}"):
+        inner = f"{package}.{first}"
+        if is_plain(inner):
+            return from_module(inner, *rest[:1])
+        return needed(inner, rest) if rest else {inner}
+    return {package} if defines(package, first) else {"*"}
+
+
+def from_module(module: str, name: str = "") -> set[str]:
+    """A plain module, and the whole package if taking `name` from it imports by computed names."""
+    return {module, "*"} if computes_imports(module, name) else {module}
+
+
+@cache
+def computes_imports(module: str, name: str) -> bool:
+    """Follow the definitions inside the module from `name` (from all of it where there is none)."""
+    file = module_file(module)
+    if file is None:
+        return False
+    used = {d: names_in(node) for node in ast.parse(file.read_text("utf-8")).body for d in defined_by(node)}
+    queue, seen = [name] if name else list(used), set[str]()
+    while queue:
+        one = queue.pop()
+        if one in COMPUTED_IMPORTS:
+            return True
+        if one not in seen:
+            seen.add(one)
+            queue += used.get(one, set())
+    return False
+
+
+def names_in(node: ast.AST) -> set[str]:
+    inner = list(ast.walk(node))
+    names = {n.id for n in inner if isinstance(n, ast.Name)}
+    return names | {n.attr for n in inner if isinstance(n, ast.Attribute)}
+
+
+def defined_by(node: ast.stmt) -> set[str]:
+    if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+        return {node.name}
+    if isinstance(node, ast.Assign):
+        return {t.id for t in node.targets if isinstance(t, ast.Name)}
+    return {node.target.id} if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) else set()
+
+
+def is_plain(name: str) -> bool:
+    """A module that is one file, so that its attributes lead nowhere else."""
+    file = module_file(name)
+    return file is not None and file.name != "__init__.py"
+
+
+@cache
+def defines(module: str, name: str) -> bool:
+    file = module_file(module)
+    if file is None:
+        return False
+    body = ast.parse(file.read_text("utf-8")).body
+    return name.startswith("__") or any(name in defined_by(node) for node in body)
+
+
+class Imports(ast.NodeVisitor):
+    """Modules named by one source; `bound` are the local names that stand for a package."""
+
+    def __init__(self, module: str = "", is_package: bool = False) -> None:
+        self.parent = module if is_package else module.rpartition(".")[0]
+        self.found: set[str] = set()
+        self.bound: dict[str, str] = {}
+        self.others: set[str] = set()
+
+    def visit_Import(self, node: ast.Import) -> None:
+        for alias in node.names:
+            if alias.name.split(".")[0] != PACKAGE:
+                self.others.add(alias.name)
+            elif alias.asname and not is_plain(alias.name):
+                self.bound[alias.asname] = alias.name
+            elif alias.asname:
+                self.found |= from_module(alias.name)
+            elif "." in alias.name:
+                self.found.add(alias.name)
+            if not alias.asname and alias.name.split(".")[0] == PACKAGE:
+                self.bound[PACKAGE] = PACKAGE
+
+    def visit_ImportFrom(self, node: ast.ImportFrom) -> None:
+        base = self.base(node)
+        if base.split(".")[0] != PACKAGE:
+            self.others.add(base)
+        elif is_plain(base):
+            for alias in node.names:
+                self.found |= from_module(base, "" if alias.name == "*" else alias.name)
+        else:
+            for alias in node.names:
+                self.found |= needed(base, [] if alias.name == "*" else [alias.name])
+
+    def base(self, node: ast.ImportFrom) -> str:
+        if not node.level:
+            return node.module or ""
+        parts = self.parent.split(".")
+        parts = parts[: len(parts) - node.level + 1]
+        return ".".join([*parts, node.module] if node.module else parts)
+
+    def visit_Attribute(self, node: ast.Attribute) -> None:
+        chain, inner = [node.attr], node.value
+        while isinstance(inner, ast.Attribute):
+            chain.append(inner.attr)
+            inner = inner.value
+        if isinstance(inner, ast.Name) and inner.id in self.bound:
+            self.found |= needed(self.bound[inner.id], chain[::-1])
+        else:
+            self.generic_visit(node)
+
+    def visit_Name(self, node: ast.Name) -> None:
+        if node.id in self.bound:
+            self.found.add("*")
+
+
+def imports_of(tree: ast.Module, module: str = "", is_package: bool = False) -> Imports:
+    imports = Imports(module, is_package)
+    for kind in (ast.Import, ast.ImportFrom):  # bindings first, wherever they stand
+        for node in ast.walk(tree):
+            if isinstance(node, kind):
+                imports.visit(node)
+    imports.visit(tree)
+    return imports
+
+
+def imported_files(module: str) -> Iterator[Path]:
+    """The file of a module and of every package it sits in (they run when it is imported).
+
+    Without the package's own `__init__`: it only opens doors, and the doors are followed here, so
+    a name added to its table changes nothing for who does not use it.
+    """
+    parts = module.split(".")
+    for length in range(2, len(parts) + 1):
+        file = module_file(".".join(parts[:length]))
+        if file is not None:
+            yield file
+
+
+@cache
+def module_needs(module: str) -> frozenset[str]:
+    file = module_file(module)
+    if file is None:
+        return frozenset()
+    tree = ast.parse(file.read_text("utf-8"))
+    return frozenset(imports_of(tree, module, file.name == "__init__.py").found)
+
+
+def of_source(source: str, folder: Path | None = None) -> set[Path]:
+    """Every file of the checkout that this source imports, directly or not."""
+    imports = imports_of(ast.parse(source))
+    files, queue, seen = set(siblings(imports, folder)), list(imports.found), set[str]()
+    for path in list(files):
+        files |= of_source(path.read_text("utf-8"), None)
+    while queue:
+        module = queue.pop()
+        if module == "*":
+            return files | whole_package()
+        if module not in seen:
+            seen.add(module)
+            files |= set(imported_files(module))
+            queue += module_needs(module)
+    return files
+
+
+def siblings(imports: Imports, folder: Path | None) -> Iterator[Path]:
+    """Helper modules that lie beside a script."""
+    if folder is not None:
+        for name in imports.others:
+            path = folder / f"{name.split('.')[0]}.py"
+            if path.is_file():
+                yield path
+
+
+def of_script(script: Path) -> list[str]:
+    """The sorted import closure of a script, without the script itself."""
+    files = of_source(script.read_text("utf-8"), script.parent)
+    return sorted(str(path) for path in files if path != script)

@@ -1,0 +1,63 @@
+"""Imports run one way: geometry -> visibility -> material -> brdf -> validation -> surface, never back.
+
+A module may import its own stage and those before it; the modules at the top of the package serve
+all stages, so at import time they reach into none; plotting is for figures only.
+"""
+
+from __future__ import annotations
+
+import ast
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import closure
+
+STAGES = ("geometry", "visibility", "material", "brdf", "validation", "surface")
+FIGURES_ONLY = "plotting"
+
+
+def stage(module: str) -> str:
+    """`microfacet.geometry.ggx` -> `geometry`; `microfacet.statement` -> `statement`."""
+    return [*module.split("."), ""][1]
+
+
+def imports_at_load(path: Path) -> Iterator[tuple[int, str]]:
+    """Line and module of every import that runs when the file is loaded."""
+    module = ".".join(path.relative_to(closure.SOURCE_ROOT).with_suffix("").parts)
+    reader = closure.Imports(module.removesuffix(".__init__"), path.name == "__init__.py")
+    for node in statements_at_load(ast.parse(path.read_text("utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from ((node.lineno, alias.name) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = reader.base(node)
+            yield from ((node.lineno, f"{base}.{alias.name}") for alias in node.names)
+
+
+def statements_at_load(tree: ast.AST) -> Iterator[ast.AST]:
+    for node in ast.iter_child_nodes(tree):
+        if not isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
+            yield node
+            yield from statements_at_load(node)
+
+
+def faults() -> Iterator[str]:
+    for path in sorted(closure.whole_package()):
+        home = stage(".".join(path.relative_to(closure.SOURCE_ROOT).with_suffix("").parts))
+        for line, module in imports_at_load(path):
+            if module.split(".")[0] == closure.PACKAGE and not allowed(home, stage(module)):
+                yield f"{path}:{line}: {home} must not import {stage(module)}"
+
+
+def allowed(home: str, target: str) -> bool:
+    if target == FIGURES_ONLY:
+        return home == FIGURES_ONLY
+    if target not in STAGES:
+        return True
+    return home in STAGES and STAGES.index(target) <= STAGES.index(home)
+
+
+if __name__ == "__main__":
+    found = list(faults())
+    print("\n".join(found) or "Imports run one way.")
+    sys.exit(bool(found))

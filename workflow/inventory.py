@@ -1,0 +1,259 @@
+"""What there is in this checkout: statements, figures, chapters. Nothing is listed by hand."""
+
+from __future__ import annotations
+
+import ast
+import difflib
+import hashlib
+import json
+import os
+import re
+import sys
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any, NoReturn
+
+import closure
+
+CACHE = Path("build/inventory.json")
+CELL = re.compile(r"^```\{code-cell\}[^\n]*\n(.*?)^```\s*$", re.M | re.S)
+OPTIONS = re.compile(r"\A(?:---\n.*?^---\n|(?::[\w-]+:[^\n]*\n)+)", re.M | re.S)
+FRONT = re.compile(r"\A---\n.*?^---\n", re.M | re.S)
+INLINE = re.compile(r"\{\{([^{}]+)\}\}")
+
+
+def stop(sentence: str) -> NoReturn:
+    """End with one sentence for the reader in place of a traceback."""
+    sys.exit(f"\n{sentence}\n")
+
+
+def unknown(kind: str, name: str, known: Iterable[str]) -> str:
+    """The sentence about a name that does not exist, with the nearest ones that do."""
+    known = sorted(known)
+    near = difflib.get_close_matches(name, known, n=3, cutoff=0.5)
+    hint = f" Did you mean {' or '.join(near)}?" if near else ""
+    return f"There is no {kind} called {name!r}.{hint}"
+
+
+def write_atomically(path: Path, content: bytes | str) -> None:
+    """A reader, or a killed build, never sees half a file."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    draft = path.with_name(f".{path.name}.{os.getpid()}")
+    draft.write_bytes(content.encode("utf-8") if isinstance(content, str) else content)
+    draft.replace(path)
+
+
+# Statements ------------------------------------------------------------------------------------
+
+
+@cache
+def statements() -> dict[str, dict[str, Any]]:
+    """Every statement of the library: fingerprint, title, slides, citation and LaTeX by key.
+
+    Importing sympy and all statements takes over a second, so the answer is kept beside a digest
+    of the library's sources and asked for again only when one of them changed.
+    """
+    source = digest_of_library()
+    try:
+        kept = json.loads(CACHE.read_text("utf-8"))
+    except (OSError, ValueError):
+        kept = {}
+    if kept.get("source") != source:
+        kept = {"source": source, "statements": ask_library()}
+        write_atomically(CACHE, json.dumps(kept, indent=1, ensure_ascii=False, sort_keys=True))
+    return dict(kept["statements"])
+
+
+def digest_of_library() -> str:
+    digest = hashlib.sha256(sys.version.encode())
+    for path in [*sorted(closure.whole_package()), Path("requirements.lock")]:
+        digest.update(str(path).encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
+
+
+def ask_library() -> dict[str, dict[str, Any]]:
+    try:
+        import microfacet as mf
+
+        prints = mf.equations.fingerprints()
+        return {key: facts(mf.equations[key], prints[key]) for key in sorted(mf.equations)}
+    except Exception as error:
+        stop(f"The library in lib/ cannot state its equations: {type(error).__name__}: {error}")
+
+
+def facts(equation: Any, fingerprint: str) -> dict[str, Any]:
+    return {
+        "fingerprint": fingerprint,
+        "title": equation.title,
+        "slides": list(equation.slides),
+        "cite": equation.cite,
+        "latex": equation.latex,
+    }
+
+
+# Figures ---------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A script that draws: its docstring is the caption, SLIDES the slides it redraws."""
+
+    name: str
+    script: Path
+    title: str
+    caption: str
+    slides: tuple[int, ...]
+
+    @property
+    def data_script(self) -> Path | None:
+        path = self.script.with_name(f"{self.name}_data.py")
+        return path if path.is_file() else None
+
+    @property
+    def data(self) -> list[str]:
+        return [f"build/data/{self.name}.npz"] if self.data_script else []
+
+    @property
+    def words(self) -> str:
+        """All that a chapter prints of it beside the drawing."""
+        slides = ", ".join(map(str, self.slides))
+        return f"{self.title} {self.caption} (slides {slides})"
+
+    @property
+    def stage(self) -> str:
+        return self.script.parent.name
+
+
+@cache
+def figures() -> dict[str, Figure]:
+    """All figures by name. A script under figures/ that states SLIDES is a figure."""
+    found: dict[str, Figure] = {}
+    for script in sorted(Path("figures").glob("*/*.py")):
+        figure = read_figure(script)
+        if figure is None:
+            continue
+        if figure.name in found:
+            stop(f"Two figures are called {figure.name!r}: {found[figure.name].script} and {script}.")
+        found[figure.name] = figure
+    return found
+
+
+def read_figure(script: Path) -> Figure | None:
+    try:
+        tree = ast.parse(script.read_text("utf-8"))
+    except SyntaxError as error:
+        stop(f"{script}, line {error.lineno}: {error.msg}.")
+    slides = [node.value for node in tree.body if isinstance(node, ast.Assign)
+              and any(isinstance(t, ast.Name) and t.id == "SLIDES" for t in node.targets)]  # fmt: skip
+    if not slides or script.stem.endswith("_data"):
+        return None
+    title, _, rest = (ast.get_docstring(tree) or "").partition("\n")
+    if not title.strip():
+        stop(f"{script} has no docstring: its first line is the first sentence of the caption.")
+    return Figure(script.stem, script, title.strip(), " ".join(rest.split()), numbers_in(slides[0], script))
+
+
+def numbers_in(node: ast.expr, script: Path) -> tuple[int, ...]:
+    """SLIDES may be written as (37, 38, 39) or with range, as in tuple(range(17, 30))."""
+    allowed = {"__builtins__": {"range": range, "tuple": tuple}}
+    try:
+        return tuple(int(n) for n in eval(compile(ast.Expression(node), str(script), "eval"), allowed))
+    except (NameError, TypeError, ValueError):
+        stop(f"{script}: SLIDES is a tuple of numbers, such as (37, 38, 39) or tuple(range(17, 30)).")
+
+
+def figures_of_slide(slide: int) -> list[str]:
+    return [name for name, figure in figures().items() if slide in figure.slides]
+
+
+def drawn_slides() -> list[int]:
+    return sorted({slide for figure in figures().values() for slide in figure.slides})
+
+
+# Chapters --------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """A chapter's file and what its cells name: figures, equations, data, library files."""
+
+    path: Path
+    code: str = field(repr=False)
+    calls: dict[str, list[str]]
+
+    @property
+    def stem(self) -> str:
+        return self.path.stem
+
+    @property
+    def label(self) -> str:
+        return self.stem.partition("_")[0]
+
+    def named(self, helper: str) -> list[str]:
+        return sorted(set(self.calls.get(helper, [])))
+
+
+@cache
+def chapters() -> dict[str, Chapter]:
+    """All chapters in order: 0, 1, ..., then A, B, ... Other files in the folder are no chapter."""
+    paths = [p for p in Path("chapters").glob("*.md") if re.match(r"(\d+|[A-Z])_", p.name)]
+    ordered = sorted(paths, key=lambda p: (p.name[0].isalpha(), order(p.stem), p.stem))
+    return {path.stem: read_chapter(path) for path in ordered}
+
+
+def order(stem: str) -> int:
+    label = stem.partition("_")[0]
+    return int(label) if label.isdigit() else ord(label)
+
+
+def body_of(text: str) -> str:
+    """A chapter without its front matter, which only tells editors which kernel to start."""
+    return FRONT.sub("", text)
+
+
+def cells_of(text: str) -> list[str]:
+    return [code_of(body) for body in CELL.findall(text)]
+
+
+def code_of(body: str) -> str:
+    """A cell without its options."""
+    return OPTIONS.sub("", body)
+
+
+def read_chapter(path: Path) -> Chapter:
+    text = path.read_text("utf-8")
+    inline = ["(" + split_format(found)[0] + ")" for found in INLINE.findall(CELL.sub("", text))]
+    trees = [(part, parsed(part)) for part in [*cells_of(text), *inline]]
+    good = [(part, tree) for part, tree in trees if tree is not None]
+    calls: dict[str, list[str]] = {}
+    for _, tree in good:
+        collect_calls(tree, calls)
+    return Chapter(path, "\n".join(part for part, _ in good), calls)
+
+
+def parsed(source: str) -> ast.Module | None:
+    """A cell that is no Python is reported, with its place, when the chapter is executed."""
+    try:
+        return ast.parse(source)
+    except SyntaxError:
+        return None
+
+
+def collect_calls(tree: ast.Module, calls: dict[str, list[str]]) -> None:
+    """Literal first arguments of calls by plain name: equation("key"), figure("name")..."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+            texts = [a.value for a in node.args if isinstance(a, ast.Constant)]
+            calls.setdefault(node.func.id, []).extend(t for t in texts if isinstance(t, str))
+
+
+def split_format(inline: str) -> tuple[str, str]:
+    """`100*loss:.1f` -> (`100*loss`, `.1f`), split as an f-string would."""
+    depth = 0
+    for place, char in enumerate(inline):
+        depth += (char in "([{") - (char in ")]}")
+        if char == ":" and not depth:
+            return inline[:place].strip(), inline[place + 1 :].strip()
+    return inline.strip(), ""
