@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
 from microfacet.surface.profile import (
     Pieces,
     Profile,
@@ -138,9 +137,13 @@ def test_slopes_have_the_promised_root_mean_square() -> None:
 
 
 def test_one_seed_is_one_curve() -> None:
-    coarse, fine = example(12), example(48)
+    coarse, fine = Profile.gaussian(0.8, 12, seed=5), Profile.gaussian(0.8, 48, seed=5)
     np.testing.assert_allclose(np.diff(coarse.z), np.diff(fine.z[::4]), atol=1e-14)
-    np.testing.assert_array_equal(example(12).z, coarse.z)
+    np.testing.assert_array_equal(Profile.gaussian(0.8, 12, seed=5).z, coarse.z)
+    moved = Profile.gaussian(0.8, 12, seed=5, jitter=0.6)
+    many = Profile.gaussian(0.8, 4096, seed=5)
+    np.testing.assert_allclose(moved.z - moved.z[0], np.interp(moved.x, many.x, many.z) - many.z[0], atol=1e-6)
+    assert 0 < np.abs(moved.x - coarse.x).max() < 0.3 / 12
 
 
 @pytest.mark.parametrize("theta", [-70, 0, 33, 60])
@@ -215,6 +218,7 @@ def test_other_bad_input_is_named() -> None:
         (lambda: Profile.gaussian(-1, 4), "alpha must be finite and >= 0, got -1"),
         (lambda: Profile.gaussian(np.nan, 4), "alpha must be finite and >= 0, got nan"),
         (lambda: Profile.gaussian(1, 0), "facets=0"),
+        (lambda: Profile.gaussian(1, 4, jitter=1.0), r"jitter must lie in \[0, 1\), got 1.0"),
         (lambda: profile.repeat(0), "times must be at least 1, got 0"),
         (
             lambda: profile.escaping(direction(0.1)),

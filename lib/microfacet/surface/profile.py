@@ -40,15 +40,15 @@ def mirror(w: ArrayLike, wm: ArrayLike) -> Array:
     return mirrored
 
 
-def percentages(shares: ArrayLike) -> Integers:
-    """Whole percentages of ``shares`` that add up to exactly 100 (largest remainders are rounded up)."""
+def percentages(shares: ArrayLike, total: int = 100) -> Integers:
+    """Whole numbers in proportion to ``shares`` that add up to exactly ``total`` (largest remainders go up)."""
     shares = np.asarray(shares, dtype=float)
     if shares.ndim != 1 or not np.all(np.isfinite(shares)) or np.any(shares < 0) or shares.sum() <= 0:
         raise ValueError(f"shares must be a row of finite numbers >= 0 with a positive sum, got {shares!r}")
-    exact = 100 * shares / shares.sum()
+    exact = total * shares / shares.sum()
     whole: Integers = np.floor(exact + 1e-9).astype(np.int64)
     order = np.argsort(whole - exact, kind="stable")
-    whole[order[: 100 - whole.sum()]] += 1
+    whole[order[: total - whole.sum()]] += 1
     return whole
 
 
@@ -119,8 +119,10 @@ class Profile:
             raise ValueError(f"z must end at the height it starts from, got {self.z[0]!r} and {self.z[-1]!r}")
 
     @classmethod
-    def gaussian(cls, alpha: float, facets: int, waves: int = 6, seed: int = 0) -> Profile:
-        """A sum of ``waves`` cosines of random phase, cut into ``facets`` facets of equal width.
+    def gaussian(cls, alpha: float, facets: int, waves: int = 6, seed: int = 0, jitter: float = 0.0) -> Profile:
+        """A sum of ``waves`` cosines of random phase, cut into ``facets`` facets.
+
+        The facets have equal widths, unless ``jitter`` in [0, 1) moves the nodes by up to half that part of a width.
 
         ``alpha`` is the roughness of the Beckmann model: the slopes of the smooth curve have the root mean square
         alpha / sqrt(2). One seed is one curve, however many facets it is cut into.
@@ -129,12 +131,15 @@ class Profile:
             raise ValueError(f"alpha must be finite and >= 0, got {alpha!r}")
         if facets < 1 or waves < 1:
             raise ValueError(f"facets and waves must be at least 1, got facets={facets!r} and waves={waves!r}")
-        rng = np.random.default_rng(seed)
+        if not 0 <= jitter < 1:
+            raise ValueError(f"jitter must lie in [0, 1), got {jitter!r}")
+        rng, moves = (np.random.default_rng(part) for part in np.random.SeedSequence(seed).spawn(2))
         order = np.arange(1, waves + 1)
         phase = rng.uniform(0, 2 * np.pi, waves)
         amplitude = rng.normal(size=waves) * np.exp(-0.5 * (2 * order / waves) ** 2)
         amplitude *= alpha / np.sqrt(np.sum((2 * np.pi * order * amplitude) ** 2))
         x = np.linspace(0.0, 1.0, facets + 1)
+        x[1:-1] += jitter / facets * moves.uniform(-0.5, 0.5, facets - 1)
         z = np.cos(2 * np.pi * x[:, None] * order + phase) @ amplitude
         z[-1] = z[0]
         return cls(x, z - z.min())
@@ -170,6 +175,16 @@ class Profile:
         """Point at a ``fraction`` in [0, 1] of each facet's length, shape (n, 2)."""
         nodes = np.stack([self.x, self.z], axis=-1)[:-1]
         return nodes + fraction[:, None] * self.edges
+
+    def bins(self, bounds: ArrayLike) -> Integers:
+        """Index of the bin that holds each normal's angle, for rising ``bounds`` in radians, shape (n,)."""
+        bounds = np.asarray(bounds, dtype=float)
+        theta = angle(self.normals)
+        if bounds.ndim != 1 or bounds.size < 2 or not np.all(np.diff(bounds) > 0):
+            raise ValueError(f"bounds must be a row of rising angles, got {bounds!r}")
+        if theta.min() < bounds[0] or theta.max() >= bounds[-1]:
+            raise ValueError(f"bounds must enclose the normals' angles {theta.min()} to {theta.max()}, got {bounds!r}")
+        return np.digitize(theta, bounds) - 1
 
     def visible(self, wo: ArrayLike) -> Pieces:
         """The parts of the facets that are seen from the direction ``wo``, shape (2,), by exact clipping."""
@@ -210,7 +225,7 @@ class Profile:
 
 def example(facets: int = 12) -> Profile:
     """The profile that the figures of the report share: one curve, cut into as many facets as a figure needs."""
-    return Profile.gaussian(alpha=1.0, facets=facets, waves=6, seed=2404)
+    return Profile.gaussian(alpha=1.0, facets=facets, waves=5, seed=3312, jitter=0.6)
 
 
 def _checked(wo: ArrayLike) -> Array:
