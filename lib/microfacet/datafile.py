@@ -1,0 +1,34 @@
+"""Data files of the figures: written whole or not at all, read with one clear sentence when something is wrong."""
+
+from __future__ import annotations
+
+import os
+import sys
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+def store(path: str, **arrays: ArrayLike) -> None:
+    """Write ``arrays`` to the .npz file ``path``, making its folder; an interrupted run leaves no torn file."""
+    target = Path(path)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    part = target.with_name(target.name + ".part")
+    with part.open("wb") as file:
+        np.savez(file, allow_pickle=False, **{name: np.asarray(values) for name, values in arrays.items()})
+    os.replace(part, target)
+
+
+def load(path: str) -> dict[str, NDArray[Any]]:
+    """Read the arrays that ``store`` wrote; a missing or torn file ends the program with one sentence."""
+    remedy = f"run `snakemake build/data/{Path(path).stem}.npz` to make it"
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            return {name: file[name] for name in file.files}
+    except FileNotFoundError:
+        sys.exit(f"The data file {path} is missing: {remedy}.")
+    except (OSError, EOFError, ValueError, zipfile.BadZipFile):
+        sys.exit(f"The data file {path} is torn or not a data file: delete it and {remedy}.")
