@@ -1,0 +1,67 @@
+r"""The distribution of normals forgets where a facet lies and keeps only how it is turned.
+
+Every facet travels, without turning, to the place on the circle where its normal points, and is stacked there with
+the facets of the same bin. From left to right: the surface, half way, and all facets sorted, with the share of the
+surface's length that each bin of $24^\circ$ holds. That share, divided by the width of the bin, is $D(\omega_m)$; its
+sum is the length of the microsurface. The profile is the report's random polyline, here cut into 36 facets.
+"""
+
+import sys
+
+import numpy as np
+from microfacet import plotting
+
+SLIDES = (33,)
+CENTRE, RADIUS, GAP = np.array([0.5, 0.26]), 0.42, 0.02
+
+
+def middles(bounds: plotting.Array) -> plotting.Array:
+    return (bounds[1:] + bounds[:-1]) / 2
+
+
+def circle(ax: plotting.Axes, bounds: plotting.Array) -> None:
+    theta = np.linspace(bounds[0], bounds[-1], 100)
+    ax.plot(
+        *(CENTRE[:, None] + RADIUS * np.array([np.sin(theta), np.cos(theta)])),
+        color="0.7",
+        linestyle="-",
+        linewidth=0.7,
+    )
+    for bound in bounds:
+        ray = np.array([np.sin(bound), np.cos(bound)])
+        ax.plot(
+            *np.stack([CENTRE, CENTRE + (RADIUS + 0.02) * ray], axis=1),
+            color="0.85",
+            linestyle="-",
+            linewidth=0.5,
+            zorder=0,
+        )
+
+
+def facets(ax: plotting.Axes, data: dict, way: float) -> None:
+    theta = middles(data["bounds"])[data["bins"]]
+    goal = CENTRE + ((RADIUS + GAP * (1 + data["rank"])) * np.array([np.sin(theta), np.cos(theta)])).T
+    middle = (1 - way) * data["middle"] + way * goal
+    ends = middle[:, None] + np.array([[-0.5], [0.5]]) * data["edges"][:, None]
+    plotting.pieces(ax, ends, [plotting.TILTS[k] for k in data["bins"]], linewidth=1.8)
+
+
+def draw(data: dict) -> plotting.Figure:
+    figure, axes = plotting.canvas(__file__, height=2.02, ncols=3)
+    figure.subplots_adjust(left=0, right=1, bottom=0, top=1, wspace=0)
+    for ax, way in zip(axes, (0.0, 0.5, 1.0), strict=True):
+        plotting.scene(ax, x=(-0.06, 1.06), z=(-0.13, 1.0))
+        plotting.ground(ax, data["x"], data["z"], depth=0.06, color="0.75", linewidth=0.5)
+        circle(ax, data["bounds"])
+        facets(ax, data, way)
+    for k, theta in enumerate(middles(data["bounds"])):
+        reach = RADIUS + GAP * (1 + np.sum(data["bins"] == k)) + 0.05
+        place = CENTRE + reach * np.array([np.sin(theta), np.cos(theta)])
+        plotting.label(axes[-1], place, rf"{data['percent'][k]}%", fontsize=8)
+    plotting.label(axes[-1], (CENTRE[0], CENTRE[1] + 0.22), f"length {data['share'].sum():.2f}")
+    return figure
+
+
+if __name__ == "__main__":
+    data, *outputs = sys.argv[1:]
+    plotting.save(draw(plotting.load(data)), outputs)

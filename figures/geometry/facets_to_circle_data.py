@@ -1,0 +1,31 @@
+"""Computes what the figure `facets_to_circle` shows: in which bin of the circle each facet's normal lies."""
+
+import sys
+
+import numpy as np
+from microfacet.datafile import store
+from microfacet.surface.profile import example, percentages
+
+
+def compute() -> dict:
+    surface = example(facets=36)
+    bounds = np.radians([-60, -36, -12, 12, 36, 60])
+    bins = surface.bins(bounds)
+    earlier = np.tril(bins[:, None] == bins, -1)
+    share = np.bincount(bins, surface.lengths, minlength=5)
+    return {
+        "x": surface.x,
+        "z": surface.z,
+        "middle": surface.whole.middle,
+        "edges": surface.edges,
+        "normals": surface.normals,
+        "bounds": bounds,
+        "bins": bins,
+        "rank": earlier.sum(axis=1),
+        "share": share,
+        "percent": percentages(share),
+    }
+
+
+if __name__ == "__main__":
+    store(sys.argv[1], **compute())
