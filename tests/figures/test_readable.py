@@ -1,0 +1,76 @@
+"""Every figure that has a ``draw``: its texts do not touch, it fits the page, and its bytes repeat."""
+
+from __future__ import annotations
+
+import ast
+import os
+import runpy
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from microfacet import datafile, plotting
+
+ROOT = Path(__file__).parents[2]
+ENVIRONMENT = os.environ | {"PYTHONPATH": str(ROOT / "lib")}
+SCRIPTS = sorted(p for p in (ROOT / "figures").glob("*/*.py") if not p.stem.endswith("_data"))
+DRAWN = [p for p in SCRIPTS if "\ndef draw(" in p.read_text()]
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory: pytest.TempPathFactory) -> dict[Path, Path]:
+    """Data files of all figures, made by their own scripts."""
+    folder, made = tmp_path_factory.mktemp("data"), {}
+    for script in DRAWN:
+        maker = script.with_name(f"{script.stem}_data.py")
+        if maker.exists():
+            made[script] = folder / f"{script.stem}.npz"
+            datafile.store(str(made[script]), **runpy.run_path(str(maker))["compute"]())
+    return made
+
+
+@pytest.mark.parametrize("script", DRAWN, ids=lambda p: p.stem)
+def test_labels_do_not_touch(script: Path, data: dict[Path, Path]) -> None:
+    draw = runpy.run_path(str(script))["draw"]
+    figure = draw(plotting.load(str(data[script]))) if script in data else draw()
+    width = figure.get_size_inches()[0]
+    faults = plotting.overlaps(figure)
+    plotting.plt.close(figure)
+    assert faults == []
+    assert width <= plotting.WIDTH
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda p: p.stem)
+def test_caption_and_slides_are_there(script: Path) -> None:
+    tree = ast.parse(script.read_text())
+    caption = ast.get_docstring(tree)
+    assert caption is not None
+    assert caption.splitlines()[0].endswith(".")
+    slides = [n.targets[0].id for n in tree.body if isinstance(n, ast.Assign) and isinstance(n.targets[0], ast.Name)]
+    assert "SLIDES" in slides
+
+
+def test_bytes_repeat(tmp_path: Path, data: dict[Path, Path]) -> None:
+    script = ROOT / "figures/visibility/visible_normals.py"
+    for run, zone in (("a", "UTC"), ("b", "Asia/Tokyo")):
+        outputs = [tmp_path / run / f"visible_normals.{end}" for end in ("svg", "pdf", "png")]
+        subprocess.run([sys.executable, script, data[script], *outputs], check=True, env=ENVIRONMENT | {"TZ": zone})
+    for end in ("svg", "pdf", "png"):
+        first, second = ((tmp_path / run / f"visible_normals.{end}").read_bytes() for run in ("a", "b"))
+        assert first == second
+
+
+@pytest.mark.parametrize(("content", "says"), [(None, "missing"), (b"", "torn"), (b"PK\x03\x04 torn", "torn")])
+def test_bad_data_file_gives_one_sentence(tmp_path: Path, content: bytes | None, says: str) -> None:
+    path = tmp_path / "masking.npz"
+    if content is not None:
+        path.write_bytes(content)
+    script = ROOT / "figures/visibility/masking.py"
+    run = subprocess.run(
+        [sys.executable, script, path, tmp_path / "a.svg"], capture_output=True, text=True, env=ENVIRONMENT
+    )
+    assert run.returncode == 1
+    assert run.stderr.count("\n") == 1
+    for words in (str(path), says, "snakemake build/data/masking.npz"):
+        assert words in run.stderr
