@@ -2,8 +2,9 @@ r"""The distribution of normals forgets where a facet lies and keeps only how it
 
 Every facet travels, without turning, to the place on the circle where its normal points, and is stacked there with
 the facets of the same bin. From left to right: the surface, half way, and all facets sorted, with the share of the
-surface's length that each bin of $24^\circ$ holds. That share, divided by the width of the bin, is $D(\omega_m)$; its
-sum is the length of the microsurface. The profile is the report's random polyline, here cut into 36 facets.
+surface's length that each bin of $24^\circ$ holds. The length in a bin, divided by the width of the bin, is
+$D(\omega_m)$; summed over all bins it is the length of the microsurface. The profile is the report's random polyline,
+here cut into 36 facets.
 """
 
 import sys
@@ -12,7 +13,7 @@ import numpy as np
 from microfacet import plotting
 
 SLIDES = (33,)
-CENTRE, RADIUS, GAP = np.array([0.5, 0.26]), 0.42, 0.02
+CENTRE, RADIUS, GAP = np.array([0.5, 0.27]), 0.4, 0.019
 
 
 def middles(bounds: plotting.Array) -> plotting.Array:
@@ -55,7 +56,7 @@ def draw(data: dict) -> plotting.Figure:
         circle(ax, data["bounds"])
         facets(ax, data, way)
     for k, theta in enumerate(middles(data["bounds"])):
-        reach = RADIUS + GAP * (1 + np.sum(data["bins"] == k)) + 0.05
+        reach = RADIUS + GAP * (1 + np.sum(data["bins"] == k)) + 0.05 + 0.04 * abs(np.sin(theta))
         place = CENTRE + reach * np.array([np.sin(theta), np.cos(theta)])
         plotting.label(axes[-1], place, rf"{data['percent'][k]}%", fontsize=8)
     plotting.label(axes[-1], (CENTRE[0], CENTRE[1] + 0.22), f"length {data['share'].sum():.2f}")
