@@ -87,6 +87,11 @@ local function check(tex)
   if (rest:gsub("\\%a+", "")):find("|", 1, true) then refuse("a bar | without \\left and \\right", tex) end
 end
 
+-- A word in \mathrm is the name of a function, and is spaced as one.
+local function named_functions(tex)
+  return (tex:gsub("\\mathrm{(%a%a+)}", "\\operatorname{%1}"))
+end
+
 local function roomy_cases(tex)
   return (tex:gsub("(\\begin{cases})(.-)(\\end{cases})", function(head, body, tail)
     return head .. body:gsub("&", "\\quad &") .. tail
@@ -96,7 +101,7 @@ end
 -- TeX -> the inside of a Typst formula.
 local function formula(tex)
   check(tex)
-  local plain = pandoc.Pandoc{pandoc.Plain{pandoc.Math("InlineMath", roomy_cases(tex))}}
+  local plain = pandoc.Pandoc{pandoc.Plain{pandoc.Math("InlineMath", roomy_cases(named_functions(tex)))}}
   local written = pandoc.write(plain, "typst"):gsub("^%s+", ""):gsub("%s+$", "")
   local inside = written:match("^%$(.*)%$$")
   if not inside then refuse("something", tex) end

@@ -62,7 +62,7 @@ def statements() -> dict[str, dict[str, Any]]:
         kept = {}
     if kept.get("source") != source:
         kept = {"source": source, "statements": ask_library()}
-        write_atomically(CACHE, json.dumps(kept, indent=1, ensure_ascii=False, sort_keys=True))
+        write_atomically(CACHE, json.dumps(kept, indent=1, ensure_ascii=False))
     return dict(kept["statements"])
 
 
@@ -78,7 +78,7 @@ def ask_library() -> dict[str, dict[str, Any]]:
         import microfacet as mf
 
         prints = mf.equations.fingerprints()
-        return {key: facts(mf.equations[key], prints[key]) for key in sorted(mf.equations)}
+        return {key: facts(mf.equations[key], prints[key]) for key in mf.equations}
     except Exception as error:
         stop(f"The library in lib/ cannot state its equations: {type(error).__name__}: {error}")
 

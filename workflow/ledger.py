@@ -33,7 +33,7 @@ def gather(folder: Path, out: Path) -> None:
         entries.append({"key": key, **told, **record})
     tally = {kind: sum(passed(e, kind) for e in entries) for kind in KINDS}
     ledger = {"count": len(entries), "tally": tally, "entries": entries}
-    text = json.dumps(ledger, indent=1, ensure_ascii=False, sort_keys=True)
+    text = json.dumps(ledger, indent=1, ensure_ascii=False)
     inventory.write_atomically(out, text + "\n")
 
 
