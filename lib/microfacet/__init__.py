@@ -15,7 +15,20 @@ from typing import Any
 __version__ = "0.1.0"
 
 PUBLIC = {
+    "Beckmann": "geometry.beckmann",
+    "BlinnPhong": "geometry.blinn_phong",
+    "Conductor": "material.fresnel",
+    "Dielectric": "material.fresnel",
     "GGX": "geometry.ggx",
+    "Implicit": "visibility.unphysical",
+    "Kelemen": "visibility.unphysical",
+    "Microfacet": "brdf.specular",
+    "NormalizedBlinnPhong": "geometry.blinn_phong",
+    "Schlick": "material.fresnel",
+    "SchlickSmith": "visibility.unphysical",
+    "Smith": "visibility.smith",
+    "VCavity": "visibility.v_cavity",
+    "Ward": "geometry.ward",
     "equations": "statement",
 }
 

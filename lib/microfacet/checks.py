@@ -78,7 +78,7 @@ def _claims(equation: Equation) -> Iterable[tuple[str, Any]]:
         for k, claim in enumerate(equation.proof(), 1):
             yield f"step {k} of the proof", claim
     elif equation.means is not None and equation.equals is not None and equation.relation == "=":
-        yield "closed form = definition", equation.means - equation.equals
+        yield "closed form = definition", (equation.means - equation.equals).subs(equation.where)
     if equation.rewrite_proof is not None:
         for k, claim in enumerate(equation.rewrite_proof(), 1):
             yield f"step {k} of the rewrite", claim

@@ -51,7 +51,12 @@ LATEX: dict[sp.Symbol, str] = {
 }
 
 
-FUNCTIONS: dict[str, str] = {"Lambda_GGX": r"\Lambda", "Lambda_Beckmann": r"\Lambda"}
+FUNCTIONS: dict[str, str] = {
+    "Lambda_GGX": r"\Lambda",
+    "Lambda_Beckmann": r"\Lambda",
+    "Lambda_student": r"\Lambda",
+    "lambda": r"\lambda",
+}
 
 
 class Direction:
@@ -97,7 +102,7 @@ class chi(sp.Function):
 def latex(expression: Any) -> str:
     """LaTeX of an expression in the author's order, in the field's symbols."""
     names = {**LATEX, **{d.symbol: rf"\omega_{d.name}" for d in (wm, wo, wi)}}
-    printer = _Printer({"order": "none", "symbol_names": names, "mul_symbol": "", "ln_notation": True})
+    printer = _Printer({"order": "none", "symbol_names": names, "ln_notation": True})
     return str(printer.doprint(_flat(sp.sympify(expression))))
 
 
@@ -132,6 +137,13 @@ class _Printer(LatexPrinter):
             return rf"{name}({', '.join(map(self.doprint, e.args))})" + (f"^{{{exp}}}" if exp else "")
         name = _ROMAN.get(e.func.__name__, e.func.__name__)
         return rf"\mathrm{{{name}}}{f'^{{{exp}}}' if exp else ''}\left( {', '.join(map(self.doprint, e.args))} \right)"
+
+    def _print_expint(self, e: sp.Expr, exp: str | None = None) -> str:
+        return rf"E_{{{self.doprint(e.args[0])}}}\left( {self.doprint(e.args[1])} \right)"
+
+    def _print_hyper(self, e: sp.Expr, exp: str | None = None) -> str:
+        above, below, argument = (", ".join(map(self.doprint, part)) for part in (e.ap, e.bq, [e.argument]))
+        return rf"{{}}_2F_1\left( {above}; {below}; {argument} \right)"
 
     _print_erf = _print_erfc = _print_asinh = _print_atanh = _print_asin = _print_acos = _print_atan = _print_Function
 

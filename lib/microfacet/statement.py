@@ -36,7 +36,7 @@ class Equation:
     means: the definition. equals: the closed form. computed_as: the closed form rewritten so that it keeps its digits.
     computed_by: a kernel written by hand, where no rewriting suffices; checked against `equals` all the same.
     over: the arguments, in order: a symbol with its interval, or a Direction with "hemisphere" or "sphere".
-    within: the promised error of the kernel in ulps, (double, single). where: arguments in terms of printed symbols.
+    within: the promised error of the kernel in ulps, (double, single). where: what arguments, and symbols that other statements define, stand for in printed symbols.
     relation: "=" or, for a bound, r"\\le" or r"\\ge".
     proof: gives the expressions that sympy must find to be zero, in place of the default (means - equals);
     rewrite_proof: likewise in place of (computed_as - equals). proved_by: how, in words. slides: where in the talk. cite: BibTeX key and equation. note: what a reader should know.

@@ -1,0 +1,264 @@
+"""The complete microfacet BRDF: what mirror facets, seen and lit, send from light to viewer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from math import atan, atan2, cos, pi, sin, sqrt, tan
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from microfacet.directions import as_uniform, as_vectors
+from microfacet.kernels import Batch
+from microfacet.material.fresnel import Fresnel, Mirror
+from microfacet.material.reflection import reflected
+from microfacet.notation import D, F, G2, mu_i, mu_o, raw
+from microfacet.statement import Equation
+from microfacet.visibility.masking import Masking, over_pairs
+
+rho_io = raw("rho_io", r"\rho(\omega_i, \omega_o)")
+mu = sp.Symbol("mu", positive=True)
+
+# --- statements ---------------------------------------------------------------------------------------------------
+
+with sp.evaluate(False):
+    complete = Equation(
+        key="brdf.specular.rho",
+        title="the microfacet BRDF of Cook and Torrance",
+        symbol=raw("rho", r"\rho(\omega_o, \omega_i)"),
+        equals=F * G2 * D / (4 * mu_o * mu_i),
+        over={F: (0.01, 1), G2: (1e-6, 1), D: (1e-6, 1e6), mu_o: (1e-8, 1), mu_i: (1e-8, 1)},
+        slides=(21, 22, 51, 52),
+        cite="cook1982; walter2007",
+        note="D and G2 are taken at the half vector.",
+    )
+    positivity = Equation(
+        key="brdf.specular.positivity",
+        title="a BRDF is never negative",
+        symbol=raw("rho_positive", r"\rho(\omega_o, \omega_i)"),
+        equals=sp.Integer(0),
+        relation=r"\ge",
+        proof=lambda: [sp.Integer(0 if (F * G2 * D / (4 * mu_o * mu_i)).is_nonnegative else 1)],
+        proved_by="sympy: every factor is nonnegative",
+        slides=(24, 51),
+        cite="heitz2014",
+    )
+    reciprocity = Equation(
+        key="brdf.specular.reciprocity",
+        title="light and viewer may change places",
+        symbol=raw("rho_oi", r"\rho(\omega_o, \omega_i)"),
+        equals=rho_io,
+        proof=lambda: [_swapped() - F * G2 * D / (4 * mu_o * mu_i)],
+        proved_by="sympy: the half vector, F and D do not change, and neither does a symmetric G2",
+        slides=(24, 51),
+        cite="heitz2014",
+    )
+    energy = Equation(
+        key="brdf.specular.energy",
+        title="no more light leaves than arrives",
+        symbol=raw("albedo", r"\int_{\Omega} \rho(\omega_o, \omega_i) \cos \theta_i \, d\omega_i"),
+        equals=sp.Integer(1),
+        relation=r"\le",
+        slides=(24, 51),
+        cite="heitz2014",
+        note="A bound that wrong models meet as well; each model's albedo is computed below.",
+    )
+    anchor = Equation(
+        key="brdf.specular.anchor",
+        title="albedo of GGX at alpha = 1, height-correlated, F = 1",
+        symbol=raw("E_anchor", r"E(\mu_o)"),
+        means=sp.Integral(mu / (mu + mu_o), (mu, 0, 1)),
+        equals=1 - mu_o * sp.log(1 + 1 / mu_o),
+        computed_by=None,
+        over={mu_o: (1e-6, 1)},
+        proof=lambda: _anchor_steps(),
+        proved_by="sympy: Lambda and D at alpha = 1 put in, then the antiderivative",
+        slides=(73, 74, 75),
+        cite="heitz2014",
+        note="What single scattering loses: nothing at grazing, most at normal incidence.",
+    )
+
+
+def _swapped() -> sp.Expr:
+    swap = {mu_o: mu_i, mu_i: mu_o}
+    return (F * G2 * D / (4 * mu_o * mu_i)).subs(swap, simultaneous=True)
+
+
+def _anchor_steps() -> list[Any]:
+    """At alpha = 1: 1 + Lambda_o + Lambda_i = (1/mu_o + 1/mu)/2 and D = 1/pi; the BRDF depends on the cosines only."""
+    Lambda_sum = (1 / mu_o - 1) / 2 + (1 / mu - 1) / 2
+    rho = 1 / (1 + Lambda_sum) / sp.pi / (4 * mu_o * mu)
+    antiderivative = mu - mu_o * sp.log(mu + mu_o)
+    return [
+        sp.simplify(2 * sp.pi * rho * mu - mu / (mu + mu_o)),
+        sp.simplify(sp.diff(antiderivative, mu) - mu / (mu + mu_o)),
+        sp.expand_log(antiderivative.subs(mu, 1) - antiderivative.subs(mu, 0) - (1 - mu_o * (sp.log(1 + mu_o) - sp.log(mu_o)))),
+    ]
+
+
+# --- kernels --------------------------------------------------------------------------------------------------------
+
+stated_rho, stated_density = complete.scalar, reflected.scalar
+
+
+@cache
+def evaluation(normals: Callable[..., float], shadowing: Callable[..., float], fresnel: Callable[..., float]) -> Batch:
+    def evaluate(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
+        hx, hy, hz = ox + ix, oy + iy, oz + iz
+        length = sqrt(hx * hx + hy * hy + hz * hz)
+        if not (oz > 0.0 and iz > 0.0 and length > 0.0):
+            return 0.0
+        hx, hy, hz = hx / length, hy / length, hz / length
+        cosine = min(0.5 * length, 1.0)
+        G2 = shadowing(ox, oy, oz, ix, iy, iz, hx, hy, hz, p[0])
+        return stated_rho(fresnel(cosine, p[1]), G2, normals(hx, hy, hz, p[0][0]), oz, iz)
+
+    return over_pairs(evaluate)
+
+
+@cache
+def visible_pdf(normals: Callable[..., float], masking: Callable[..., float]) -> Batch:
+    """Density of mirror directions of sampled visible normals."""
+
+    def pdf(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
+        hx, hy, hz = ox + ix, oy + iy, oz + iz
+        length = sqrt(hx * hx + hy * hy + hz * hz)
+        if not (oz > 0.0 and hz > 0.0 and length > 0.0):
+            return 0.0
+        hx, hy, hz = hx / length, hy / length, hz / length
+        return stated_density(masking(ox, oy, oz, hx, hy, hz, p[0]), normals(hx, hy, hz, p[0][0]), oz)
+
+    return over_pairs(pdf)
+
+
+@cache
+def normals_pdf(density: Callable[..., float]) -> Batch:
+    """Density of mirror directions of normals sampled without regard to the viewer."""
+
+    def pdf(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
+        hx, hy, hz = ox + ix, oy + iy, oz + iz
+        length = sqrt(hx * hx + hy * hy + hz * hz)
+        if not (oz > 0.0 and hz > 0.0 and length > 0.0):
+            return 0.0
+        z = hz / length
+        return density(-hx / hz, -hy / hz, p[0][0]) / (z * z * z) / (2.0 * length)
+
+    return over_pairs(pdf)
+
+
+def tanh_sinh(nodes: int, reach: float = 3.15) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Nodes and weights on (0, 1) that crowd at both ends, where an integrand may change fast. takahasi1974."""
+    t = np.linspace(-reach, reach, nodes)
+    x = 1 / (1 + np.exp(-np.pi * np.sinh(t)))
+    w = x * (1 - x) * np.pi * np.cosh(t) * (t[1] - t[0])
+    return tuple(map(float, x)), tuple(map(float, w / w.sum()))
+
+
+RADII, TURNS = 72, 72
+NODES, WEIGHTS = tanh_sinh(RADII)
+TURN_NODES, TURN_WEIGHTS = tanh_sinh(TURNS)
+
+
+@cache
+def albedo_rule(normals: Callable[..., float], shadowing: Callable[..., float], fresnel: Callable[..., float]) -> Batch:
+    """Share of light reflected, by quadrature over the slopes whose mirror direction lies above the horizon.
+
+    Those slopes fill the disc |slope|^2 + 2 tan theta_o (slope along the view) < 1, taken in polar coordinates around
+    the upright facet, after unstretching. Radius tan w follows the tails; nodes crowd at the rim, where light grazes, and
+    at right angles to the view, where near grazing the disc's edge turns away from the upright facet.
+    """
+
+    def albedo(ox: float, oy: float, oz: float, p: Any) -> float:
+        if not oz > 0.0:
+            return 0.0
+        alpha_x, alpha_y = p[2]
+        towards = atan2(alpha_y * oy, alpha_x * ox)
+        total = 0.0
+        for half in range(2):
+            for turn in range(TURNS):
+                angle = towards + pi * (half - 0.5 + TURN_NODES[turn])
+                dx, dy = alpha_x * cos(angle), alpha_y * sin(angle)
+                lean = (dx * ox + dy * oy) / oz
+                square = dx * dx + dy * dy
+                root = sqrt(lean * lean + square)
+                rim = 1.0 / (lean + root) if lean >= 0.0 else (root - lean) / square
+                last = atan(rim)
+                ray = 0.0
+                for k in range(RADII):
+                    radius = tan(last * NODES[k])
+                    slope_x, slope_y = radius * dx, radius * dy
+                    mz = 1.0 / sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
+                    mx, my = -slope_x * mz, -slope_y * mz
+                    cosine = min(ox * mx + oy * my + oz * mz, 1.0)
+                    if cosine > 0.0:
+                        ix, iy, iz = 2.0 * cosine * mx - ox, 2.0 * cosine * my - oy, 2.0 * cosine * mz - oz
+                        G2 = shadowing(ox, oy, oz, ix, iy, iz, mx, my, mz, p[0])
+                        light = fresnel(cosine, p[1]) * G2 * cosine * normals(mx, my, mz, p[0][0]) * (mz * mz * mz)
+                        ray += WEIGHTS[k] * light * radius * (1.0 + radius * radius)
+                total += TURN_WEIGHTS[turn] * ray * last
+        return total * pi * alpha_x * alpha_y / oz
+
+    return Batch(albedo, [3])
+
+
+# --- the model --------------------------------------------------------------------------------------------------------
+
+
+class Microfacet:
+    """The BRDF of mirror facets: model of masking and shadowing, and Fresnel reflectance (None: F = 1). walter2007."""
+
+    def __init__(self, model: Masking, fresnel: Fresnel | None = None) -> None:
+        if not isinstance(model, Masking):
+            raise ValueError(f"model must be a model of masking such as Smith(GGX(0.3)), got {model!r}")
+        if not (fresnel is None or isinstance(fresnel, Fresnel)):
+            raise ValueError(f"fresnel must be None, Dielectric, Conductor or Schlick, got {fresnel!r}")
+        self.model, self.fresnel = model, Mirror() if fresnel is None else fresnel
+        self.parameters = (model.parameters, self.fresnel.parameters)
+        self._parts = (type(model.ndf).kernel, model.G2_kernel, type(self.fresnel).kernel)
+
+    def evaluate(self, wo: Any, wi: Any, out: np.ndarray | None = None) -> Any:
+        """The BRDF, 1/sr, shapes (..., 3) -> (...); 0 if either direction is below the horizon. heitz2014."""
+        return evaluation(*self._parts)([as_vectors("wo", wo), as_vectors("wi", wi)], self.parameters, out)
+
+    def sample(self, wo: Any, u: Any) -> Any:
+        """Light directions with density `pdf`, shapes (..., 3) and (..., 2) -> (..., 3), by visible normals where the model
+        can sample them, otherwise by all normals. Some go below the horizon: their BRDF is 0, they count as lost."""
+        wo, u = as_vectors("wo", wo), as_uniform("u", u)
+        return _mirrored(self.model.sampler, type(self.model.ndf).sample_kernel)([wo, u], self.parameters)
+
+    def pdf(self, wo: Any, wi: Any) -> Any:
+        """Density of `sample` over the whole sphere, 1/sr, shapes (..., 3) -> (...)."""
+        ndf = type(self.model.ndf)
+        rule = normals_pdf(ndf.sample_density) if self.model.sampler is None else visible_pdf(ndf.kernel, self.model.G1_kernel)
+        return rule([as_vectors("wo", wo), as_vectors("wi", wi)], self.parameters)
+
+    def albedo(self, wo: Any) -> Any:
+        """Share of light from wo that is reflected, shapes (..., 3) -> (...), by quadrature with 10368 nodes."""
+        return albedo_rule(*self._parts)([as_vectors("wo", wo)], (*self.parameters, self.model.ndf.scale))
+
+    def __repr__(self) -> str:
+        return f"Microfacet({self.model!r}, {type(self.fresnel).__name__}{self.fresnel.parameters})"
+
+
+@cache
+def _mirrored(visible: Callable[..., Any] | None, slopes: Callable[..., Any]) -> Batch:
+    """Mirror directions of sampled normals."""
+    if visible is not None:
+        sampler = visible
+
+        def visible_mirror(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float]:
+            mx, my, mz = sampler(ox, oy, oz, u1, u2, p[0])
+            twice = 2.0 * (ox * mx + oy * my + oz * mz)
+            return twice * mx - ox, twice * my - oy, twice * mz - oz
+
+        return Batch(visible_mirror, [3, 2], 3)
+
+    def mirror(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float]:
+        slope_x, slope_y = slopes(u1, u2, p[0][0])
+        mz = 1.0 / sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
+        twice = 2.0 * (oz - ox * slope_x - oy * slope_y) * mz
+        return -twice * slope_x * mz - ox, -twice * slope_y * mz - oy, twice * mz - oz
+
+    return Batch(mirror, [3, 2], 3)

@@ -1,0 +1,268 @@
+"""Blinn-Phong: a power of the cosine, in the old form and normalised. Its slopes follow Student's t distribution."""
+
+from __future__ import annotations
+
+from math import cosh, exp, log, log1p, sinh, sqrt
+from typing import Any
+
+import mpmath
+import sympy as sp
+
+from microfacet.arithmetic import two_product, two_sum
+from microfacet.directions import positive
+from microfacet.geometry.slopes import Distribution, around, normals_integral
+from microfacet.kernels import packed
+from microfacet.notation import chi, n, q, raw, u, wm, y
+from microfacet.statement import Equation
+
+EXPONENT = (0.5, 1e4)
+r = sp.Symbol("r", positive=True)
+K = raw("K", "K", positive=True)  # normalisation of the slopes along one direction
+
+# --- statements ---------------------------------------------------------------------------------------------------
+
+with sp.evaluate(False):
+    D = Equation(
+        key="geometry.blinn_phong.D",
+        title="Blinn-Phong distribution of normals, as first used",
+        symbol=raw("D_blinn_phong", r"D(\omega_m)"),
+        equals=chi(sp.cos(wm.theta)) * sp.cos(wm.theta) ** n,
+        computed_as=chi(wm.z) * wm.z**n,
+        where=wm.spherical,
+        over={wm: "hemisphere", n: EXPONENT},
+        slides=(55,),
+        cite="blinn1977",
+    )
+    normalized_D = Equation(
+        key="geometry.normalized_blinn_phong.D",
+        title="normalised Blinn-Phong distribution of normals",
+        symbol=raw("D_normalized_blinn_phong", r"D(\omega_m)"),
+        equals=chi(sp.cos(wm.theta)) * (n + 2) / (2 * sp.pi) * sp.cos(wm.theta) ** n,
+        computed_as=chi(wm.z) * (n + 2) / (2 * sp.pi) * wm.z**n,
+        where=wm.spherical,
+        over={wm: "hemisphere", n: EXPONENT},
+        slides=(55,),
+        cite="heitz2014",
+    )
+
+with sp.evaluate(False):
+    cosine_power = sp.Integral(2 * sp.pi * sp.cos(wm.theta) ** (n + 1) * sp.sin(wm.theta), (wm.theta, 0, sp.pi / 2))
+
+
+def _antiderivative() -> sp.Expr:
+    return -2 * sp.pi * sp.cos(wm.theta) ** (n + 2) / (n + 2)
+
+
+def _power_steps() -> list[Any]:
+    """The antiderivative is checked by differentiation; it vanishes at pi/2, where the cosine does."""
+    F = _antiderivative()
+    return [
+        sp.diff(F, wm.theta) - cosine_power.function,
+        F.subs(wm.theta, sp.pi / 2),
+        -F.subs(wm.theta, 0) - 2 * sp.pi / (n + 2),
+    ]
+
+
+with sp.evaluate(False):
+    _mean = 2 * sp.pi / (n + 2)
+    _scaled = (n + 2) / (2 * sp.pi) * cosine_power
+    _student = sp.Integral((1 + q**2 + y**2) ** (-(n + 4) / 2), (y, -sp.oo, sp.oo))
+    _marginal = sp.sqrt(sp.pi) * sp.gamma((n + 3) / 2) / sp.gamma((n + 4) / 2) * (1 + q**2) ** (-(n + 3) / 2)
+
+projected_area = Equation(
+    key="geometry.blinn_phong.projected_area",
+    title="Blinn-Phong facets do not project to the surface",
+    symbol=normals_integral(r"\left( \omega_m \cdot \omega_g \right) D(\omega_m)"),
+    means=cosine_power,
+    equals=_mean,
+    proof=_power_steps,
+    proved_by="sympy: antiderivative by differentiation, taken between the ends",
+    over={n: EXPONENT},
+    slides=(55,),
+    cite="heitz2014",
+    note="Equal to 1 at one exponent only, n = 2 pi - 2.",
+)
+normalized_projected_area = Equation(
+    key="geometry.normalized_blinn_phong.projected_area",
+    title="normalised Blinn-Phong facets project to the whole surface",
+    symbol=normals_integral(r"\left( \omega_m \cdot \omega_g \right) D(\omega_m)"),
+    means=_scaled,
+    equals=sp.Integer(1),
+    proof=lambda: [*_power_steps(), (n + 2) / (2 * sp.pi) * 2 * sp.pi / (n + 2) - 1],
+    proved_by="sympy: antiderivative by differentiation, taken between the ends",
+    slides=(35, 36, 55),
+    cite="heitz2014",
+)
+
+# --- masking of these slopes ----------------------------------------------------------------------------------------
+
+STEPS = 120  # nodes of the trapezoidal rule below
+REACH = 3.8  # they span (-REACH, REACH)
+HALF_PI = 1.5707963267948966
+
+
+def overlap(u: float, n: float) -> float:
+    """H(u, n) by the trapezoidal rule after v = s exp(pi/2 sinh w), which decays doubly exponentially at both ends."""
+    power = 0.5 * (n + 3.0)
+    middle = 2.0 / (power * u + sqrt(power))
+    step = 2.0 * REACH / (STEPS - 1.0)
+    total = 0.0
+    for k in range(STEPS):
+        w = k * step - REACH
+        v = middle * exp(HALF_PI * sinh(w))
+        total += cosh(w) * (v * v) * exp(-power * log1p(v * (2.0 * u + v)))
+    return total * step * HALF_PI
+
+
+v = sp.Symbol("v", positive=True)
+c = sp.Symbol("c", positive=True)  # the cotangent of the view angle
+
+with sp.evaluate(False):
+    H = Equation(
+        key="visibility.blinn_phong.H",
+        title="overlap integral of Student's t distribution",
+        symbol=sp.Function("H")(u, n),
+        means=sp.Integral(v * (1 + 2 * u * v + v**2) ** (-(n + 3) / 2), (v, 0, sp.oo)),
+        equals=sp.hyper([2, n + 1], [(n + 4) / 2], (1 - u) / 2) / ((n + 1) * (n + 2)),
+        computed_by=overlap,
+        over={u: (0, 1), n: EXPONENT},
+        proof=lambda: _overlap_steps(),
+        proved_by="Gradshteyn and Ryzhik 3.252.10, checked against the integral at 50 digits",
+        slides=(62,),
+        cite="gradshteyn2007, 3.252.10",
+    )
+
+
+def _overlap_steps() -> list[Any]:
+    """The integral against the closed form, to 40 digits, at a few arguments: sympy has no rule for it."""
+    with mpmath.workdps(60):
+        return [sp.Integer(int(abs(_overlap_gap(k, e)) > mpmath.mpf(10) ** -40)) for k, e in ((0.1, 1.5), (0.5, 4), (0.9, 30))]
+
+
+def _overlap_gap(k: float, e: float) -> Any:
+    integral = mpmath.quad(
+        lambda s: s * (1 + 2 * k * s + s * s) ** (-(mpmath.mpf(e) + 3) / 2), [0, 1 / mpmath.sqrt(e), 1, 4, mpmath.inf]
+    )
+    return integral - mpmath.hyp2f1(2, e + 1, (mpmath.mpf(e) + 4) / 2, (1 - mpmath.mpf(k)) / 2) / ((e + 1) * (e + 2))
+
+
+def student_Lambda(c: float, n: float, K: float) -> float:
+    """K (1+c^2)^(-(n+1)/2) H / c, with the rounding of 1 + c^2 and of n + 1 carried through the power."""
+    square, lost = two_product(c, c)
+    total, rest = two_sum(1.0, square)
+    doubled, missing = two_sum(n, 1.0)
+    power = 0.5 * doubled
+    decay = total ** (-power) * (1.0 - (power * ((rest + lost) / total) + 0.5 * missing * log(total)))
+    return K * decay * overlap(c / sqrt(total), n) / c
+
+
+with sp.evaluate(False):
+    Lambda = Equation(
+        key="visibility.blinn_phong.Lambda",
+        title="Smith's Lambda for Blinn-Phong slopes",
+        symbol=sp.Function("Lambda_student")(c),
+        means=sp.Integral((q - c) * K * (1 + q**2) ** (-(n + 3) / 2), (q, c, sp.oo)) / c,
+        equals=K * (1 + c**2) ** (-(n + 1) / 2) * sp.Function("H")(c / sp.sqrt(1 + c**2), n) / c,
+        computed_by=student_Lambda,
+        over={c: (1e-6, 1e3), n: (0.5, 1000), K: (1e-2, 1e2)},
+        proof=lambda: _substitution_steps(),
+        proved_by="sympy: substitution q = c + sqrt(1+c^2) v",
+        slides=(62,),
+        cite="heitz2014",
+        note="Normalised Blinn-Phong needs its own Lambda; borrowing Beckmann's breaks the furnace.",
+    )
+
+
+def _substitution_steps() -> list[Any]:
+    """q = c + sqrt(1+c^2) v turns 1+q^2 into (1+c^2)(1+2uv+v^2), u = c/sqrt(1+c^2), and q-c into sqrt(1+c^2) v."""
+    s = sp.sqrt(1 + c**2)
+    moved = c + s * v
+    kernel = s**2 * (1 + 2 * c / s * v + v**2)
+    return [1 + moved**2 - kernel, (moved - c) * sp.diff(moved, v) - s**2 * v, s**2 * s ** (-(n + 3)) - s ** (-(n + 1))]
+
+
+marginal_factor = Equation(
+    key="geometry.blinn_phong.K",
+    title="Blinn-Phong slopes along one direction are Student's",
+    symbol=raw("P2_blinn_phong", r"P_2(q)"),
+    means=_student,
+    equals=_marginal,
+    proof=lambda: _marginal_steps(),
+    proved_by="sympy: y = sqrt(1+q^2) w, then Euler's beta integral",
+    slides=(62,),
+    cite="heitz2014",
+)
+
+
+def _marginal_steps() -> list[Any]:
+    w = sp.Symbol("w", positive=True)
+    scaled = (1 + q**2) * (1 + w**2)
+    beta = 2 * sp.integrate((1 + w**2) ** (-(n + 4) / 2), (w, 0, sp.oo), conds="none")
+    return [
+        1 + q**2 + (sp.sqrt(1 + q**2) * w) ** 2 - scaled,
+        sp.gammasimp(beta / (sp.sqrt(sp.pi) * sp.gamma((n + 3) / 2) / sp.gamma((n + 4) / 2))) - 1,
+    ]
+
+
+# --- kernels --------------------------------------------------------------------------------------------------------
+
+blinn_phong_Lambda = student_Lambda
+
+
+def kernel_Lambda(x: float, y: float, z: float, p: Any) -> float:
+    across = sqrt(x * x + y * y)
+    return 0.0 if across == 0.0 else blinn_phong_Lambda(abs(z) / across, p[0], p[1])
+
+
+def kernel_sample(u1: float, u2: float, p: Any) -> tuple[float, float]:
+    z = (1.0 - u1) ** (1.0 / (p[0] + 2.0))
+    return around(sqrt((1.0 - z) * (1.0 + z)) / z, u2)
+
+
+def kernel_sample_density(x: float, y: float, p: Any) -> float:
+    return (p[0] + 2.0) / (2.0 * PI) * (1.0 + x * x + y * y) ** (-0.5 * (p[0] + 4.0))
+
+
+PI = 3.141592653589793
+blinn_phong_D = D.scalar
+normalized_blinn_phong_D = normalized_D.scalar
+
+
+def kernel_D(x: float, y: float, z: float, p: Any) -> float:
+    return 0.0 if not z > 0.0 else blinn_phong_D(x, y, z, p[0])
+
+
+def kernel_normalized_D(x: float, y: float, z: float, p: Any) -> float:
+    return 0.0 if not z > 0.0 else normalized_blinn_phong_D(x, y, z, p[0])
+
+
+class BlinnPhong(Distribution):
+    """cos^n theta_m, not normalised: projected area 2 pi/(n+2). n above 0. blinn1977."""
+
+    kernel = staticmethod(kernel_D)
+    sample_kernel = staticmethod(kernel_sample)
+    sample_density = staticmethod(kernel_sample_density)
+    closed_Lambda = staticmethod(kernel_Lambda)
+
+    def __init__(self, n: float) -> None:
+        self.n = positive("n", n)
+        half = mpmath.mpf(self.n) / 2
+        K = mpmath.sqrt(mpmath.pi) * mpmath.gammaprod([half + 1.5], [half + 2]) * self._normalisation()
+        self.parameters = (self.n, float(K))
+        self.scale = (1 / (1 + self.n / 2) ** 0.5,) * 2
+
+    def _normalisation(self) -> Any:
+        return mpmath.mpf(1)
+
+    @property
+    def shown(self) -> tuple[float, ...]:
+        return (self.n,)
+
+
+class NormalizedBlinnPhong(BlinnPhong):
+    """(n+2)/(2 pi) cos^n theta_m. n above 0. heitz2014."""
+
+    kernel = staticmethod(kernel_normalized_D)
+
+    def _normalisation(self) -> Any:
+        return (mpmath.mpf(self.n) + 2) / (2 * mpmath.pi)

@@ -1,0 +1,212 @@
+"""Fresnel: how much light a facet reflects."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from math import sqrt
+from typing import Any, ClassVar
+
+import numpy as np
+import sympy as sp
+
+from microfacet.directions import positive
+from microfacet.kernels import Batch, Parameters, packed
+from microfacet.notation import raw
+from microfacet.statement import Equation
+
+c = sp.Symbol("c", positive=True)  # cosine between light and facet normal
+eta, kappa = sp.symbols("eta kappa", positive=True)  # refractive index relative to outside; its imaginary part
+F0 = sp.Symbol("F_0", positive=True)
+g = sp.Symbol("g", positive=True)
+COSINE = (1e-6, 1)
+reflectance = r"F(\omega_o, \omega_h)"
+
+# --- statements ---------------------------------------------------------------------------------------------------
+
+
+def dielectric(c: float, eta: float) -> float:
+    """Reflectance of a dielectric; 1 beyond the angle of total reflection."""
+    contrast = (eta - 1.0) * (eta + 1.0)
+    square = contrast + c * c
+    if not square > 0.0:
+        return 1.0
+    g = sqrt(square)
+    both = g + c
+    apart = contrast / both
+    r = 1.0 - 2.0 * c / both if 3.0 * c < g else apart / both
+    s = (c * both - 1.0) / (c * apart + 1.0)
+    return 0.5 * (r * r) * (1.0 + s * s)
+
+
+def conductor(c: float, eta: float, kappa: float) -> float:
+    """Reflectance of a conductor of index eta + i kappa, outside index 1."""
+    s2 = (1.0 - c) * (1.0 + c)
+    t = (eta - kappa) * (eta + kappa) - s2
+    product = eta * kappa
+    length = sqrt(t * t + 4.0 * product * product)
+    large = sqrt(0.5 * (length + abs(t)))
+    small = product / large if large > 0.0 else 0.0
+    a = large if t >= 0.0 else small
+    b = small if t >= 0.0 else large
+    apart = ((eta - 1.0) * (eta + 1.0) - kappa * kappa + b * b) / (a + c) if t >= 0.0 else a - c
+    across = (apart * apart + b * b) / ((a + c) * (a + c) + b * b)
+    along = ((a * c - s2) * (a * c - s2) + (b * c) * (b * c)) / ((a * c + s2) * (a * c + s2) + (b * c) * (b * c))
+    return 0.5 * across * (1.0 + along)
+
+
+def _refracted() -> sp.Expr:
+    return sp.sqrt(1 - (1 - c**2) / eta**2)
+
+
+def _dielectric_steps() -> list[Any]:
+    """Both usual forms, with g = eta cos of the refracted angle and g^2 = eta^2 - 1 + c^2 put in at the end."""
+    parallel, across = (eta * c - g / eta) / (eta * c + g / eta), (c - g) / (c + g)
+    both = ((g - c) / (g + c)) ** 2 * (1 + ((c * (g + c) - 1) / (c * (g - c) + 1)) ** 2) / 2
+    difference = sp.together(both - (across**2 + parallel**2) / 2).subs(eta, sp.sqrt(g**2 + 1 - c**2))
+    return [sp.simplify(difference), sp.simplify((eta * _refracted()) ** 2 - (eta**2 - 1 + c**2))]
+
+
+with sp.evaluate(False):
+    _root = sp.sqrt(eta**2 - 1 + c**2)
+    dielectric_F = Equation(
+        key="material.fresnel.dielectric",
+        title="Fresnel reflectance of a dielectric",
+        symbol=raw("F_dielectric", reflectance),
+        means=(
+            ((c - eta * _refracted()) / (c + eta * _refracted())) ** 2
+            + ((eta * c - _refracted()) / (eta * c + _refracted())) ** 2
+        )
+        / 2,
+        equals=((_root - c) / (_root + c)) ** 2 * (1 + ((c * (_root + c) - 1) / (c * (_root - c) + 1)) ** 2) / 2,
+        computed_by=dielectric,
+        over={c: COSINE, eta: (1.0001, 4)},
+        proof=_dielectric_steps,
+        proved_by="sympy: both usual forms, in terms of g",
+        slides=(47, 48),
+        cite="cook1982",
+        note="c is the cosine between light and facet, eta the index relative to outside.",
+    )
+    schlick_F = Equation(
+        key="material.fresnel.schlick",
+        title="Schlick's approximation of Fresnel reflectance",
+        symbol=raw("F_schlick", reflectance),
+        equals=F0 + (1 - F0) * (1 - c) ** 5,
+        over={c: COSINE, F0: (0.001, 1)},
+        slides=(47, 48),
+        cite="schlick1994",
+    )
+
+# a + i b = sqrt((eta + i kappa)^2 - sin^2 theta), the conductor's refracted cosine times its index
+_a, _b = sp.symbols("a_k b_k", positive=True)
+_T = eta**2 - kappa**2 - (1 - c**2)
+_LENGTH = sp.sqrt(_T**2 + 4 * eta**2 * kappa**2)
+_A, _B2 = sp.sqrt((_LENGTH + _T) / 2), (_LENGTH - _T) / 2
+_S2 = 1 - c**2
+
+
+def _ratio(first: sp.Expr, second: sp.Expr, a: sp.Expr, b2: sp.Expr) -> sp.Expr:
+    """|first a - second + i first b|^2 / |first a + second + i first b|^2."""
+    return ((first * a - second) ** 2 + first**2 * b2) / ((first * a + second) ** 2 + first**2 * b2)
+
+
+def _conductor_steps() -> list[Any]:
+    """The complex square root; the s- and p-amplitudes in it; moduli squared."""
+    root = _a + sp.I * _b
+    perpendicular = (c - root) / (c + root)
+    amplitude = (root * c - _S2) / (root * c + _S2)  # of p relative to s, but for the sign
+    z = sp.Symbol("z")  # the root; the squared index is z^2 + sin^2
+    numerators = [(z**2 + _S2) * c - z - (z * c - _S2) * (z - c), (z**2 + _S2) * c + z - (z * c + _S2) * (z + c)]
+    return [
+        sp.simplify(_A**2 - _B2 - _T),
+        sp.simplify(_A**2 * _B2 - eta**2 * kappa**2),
+        sp.simplify(perpendicular * sp.conjugate(perpendicular) - _ratio(sp.Integer(1), c, _a, _b**2)),
+        sp.simplify(amplitude * sp.conjugate(amplitude) - _ratio(c, _S2, _a, _b**2)),
+        *map(sp.expand, numerators),
+    ]
+
+
+with sp.evaluate(False):
+    _PRINTED = (
+        ((_a - c) ** 2 + _b**2)
+        / (2 * ((_a + c) ** 2 + _b**2))
+        * (1 + ((_a * c - 1 + c**2) ** 2 + _b**2 * c**2) / ((_a * c + 1 - c**2) ** 2 + _b**2 * c**2))
+    )
+
+conductor_F = Equation(
+    key="material.fresnel.conductor",
+    title="Fresnel reflectance of a conductor",
+    symbol=raw("F_conductor", reflectance),
+    equals=_PRINTED,
+    computed_as=_PRINTED.subs({_a: _A, _b: sp.sqrt(_B2)}),
+    rewrite_proof=lambda: [],
+    where={_a: _A, _b: sp.sqrt(_B2)},
+    computed_by=conductor,
+    over={c: COSINE, eta: (0.05, 5), kappa: (0.01, 10)},
+    proof=_conductor_steps,
+    proved_by="sympy: complex amplitudes, their moduli squared",
+    slides=(47, 48),
+    cite="cook1982",
+    note=r"$a_k + i b_k = \sqrt{(\eta + i \kappa)^2 - 1 + c^2}$; index $\eta + i \kappa$, outside 1.",
+)
+
+# --- what a BRDF takes ------------------------------------------------------------------------------------------------
+
+
+class Fresnel:
+    """A reflectance as a function of the cosine between light and facet normal."""
+
+    kernel: ClassVar[Callable[..., float]]  # F(cosine, parameters)
+    parameters: Parameters
+
+    def F(self, cosine: Any) -> Any:
+        """Reflectance in [0, 1] at cosines in [0, 1]; any shape."""
+        values = np.asarray(cosine)
+        if not np.all((values >= 0) & (values <= 1)):
+            raise ValueError(f"cosine must lie in [0, 1], got {values.min()} to {values.max()}")
+        return _over_cosines(type(self).kernel)([values], self.parameters)
+
+
+@cache
+def _over_cosines(kernel: Callable[..., float]) -> Batch:
+    return Batch(kernel, [1])
+
+
+def kernel_mirror(c: float, p: Any) -> float:
+    return 1.0
+
+
+class Mirror(Fresnel):
+    """Perfect mirrors: F = 1."""
+
+    kernel = staticmethod(kernel_mirror)
+    parameters = ()
+
+
+class Dielectric(Fresnel):
+    """A dielectric of refractive index eta relative to outside, above 0. cook1982."""
+
+    kernel = staticmethod(packed(dielectric, 1, 1))
+
+    def __init__(self, eta: float) -> None:
+        self.parameters = (positive("eta", eta),)
+
+
+class Conductor(Fresnel):
+    """A conductor of complex index eta + i k, both above 0, outside index 1. cook1982."""
+
+    kernel = staticmethod(packed(conductor, 1, 2))
+
+    def __init__(self, eta: float, k: float) -> None:
+        self.parameters = (positive("eta", eta), positive("k", k))
+
+
+class Schlick(Fresnel):
+    """Schlick's approximation from the reflectance F0 at normal incidence, in (0, 1]. schlick1994."""
+
+    kernel = staticmethod(packed(schlick_F.scalar, 1, 1))
+
+    def __init__(self, F0: float) -> None:
+        if positive("F0", F0) > 1:
+            raise ValueError(f"F0 must lie in (0, 1], got {F0}")
+        self.parameters = (float(F0),)

@@ -1,0 +1,250 @@
+"""Smith: a facet's masking does not depend on its normal; it follows from the distribution by conserving projected area."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from math import atan2, cos, pi, sqrt, tan
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from microfacet.geometry.beckmann import Beckmann
+from microfacet.geometry.ggx import GGX, ROUGHNESS
+from microfacet.geometry.slopes import Distribution
+from microfacet.notation import P2, Lambda_o, alpha_x, alpha_y, chi, mu_o, om, q, raw, theta_o, u, wo
+from microfacet.notation import alpha_o as roughness_o
+from microfacet.statement import Equation
+from microfacet.visibility import shadowing
+from microfacet.visibility.masking import Masking, hidden, seen
+from microfacet.visibility.visible_normals import sample_beckmann, sample_ggx
+
+CORRELATIONS = ("height", "none", "direction", "height-direction")
+
+# --- statements ---------------------------------------------------------------------------------------------------
+
+with sp.evaluate(False):
+    alpha_o = Equation(
+        key="anisotropy.alpha_o",
+        title="roughness along the view direction",
+        symbol=sp.Symbol("alpha_o"),
+        equals=sp.sqrt(sp.cos(wo.phi) ** 2 * alpha_x**2 + sp.sin(wo.phi) ** 2 * alpha_y**2),
+        computed_as=sp.sqrt((alpha_x * wo.x) ** 2 + (alpha_y * wo.y) ** 2) / sp.sqrt(wo.x**2 + wo.y**2),
+        where=wo.spherical,
+        over={wo: "hemisphere", alpha_x: ROUGHNESS, alpha_y: ROUGHNESS},
+        rewrite_proof=lambda: _alpha_steps(),
+        slides=(70, 71),
+        cite="heitz2014",
+    )
+    a_o = Equation(
+        key="visibility.smith.a",
+        title="the argument of Lambda: slope of the view direction in units of roughness",
+        symbol=sp.Symbol("a"),
+        equals=1 / (roughness_o * sp.tan(theta_o)),
+        computed_as=wo.z / sp.sqrt((alpha_x * wo.x) ** 2 + (alpha_y * wo.y) ** 2),
+        where={**wo.spherical, roughness_o: alpha_o.equals},
+        over={wo: "hemisphere", alpha_x: ROUGHNESS, alpha_y: ROUGHNESS},
+        rewrite_proof=lambda: _argument_steps(),
+        slides=(63, 71),
+        cite="heitz2014",
+    )
+    Lambda = Equation(
+        key="visibility.smith.Lambda",
+        title="Smith's Lambda for any distribution of slopes",
+        symbol=Lambda_o,
+        means=hidden / mu_o,
+        equals=sp.Integral((q - sp.cot(theta_o)) * P2(q), (q, sp.cot(theta_o), sp.oo)) / sp.cot(theta_o),
+        proof=lambda: _projection_steps(),
+        proved_by="sympy: a facet of slope q along the view projects to sin theta_o (cot theta_o - q)",
+        slides=(39, 40),
+        cite="heitz2014",
+    )
+    seen_area = Equation(
+        key="visibility.smith.seen",
+        title="what would be seen if nothing were masked",
+        symbol=seen,
+        means=mu_o + hidden,
+        equals=mu_o * (1 + Lambda_o),
+        where={hidden: mu_o * Lambda_o},
+        proved_by="sympy: facets turned to and away from the viewer project to the whole surface, with sign",
+        over={mu_o: (1e-8, 1), Lambda_o: (0, 1e8)},
+        slides=(38, 39),
+        cite="heitz2014",
+    )
+    G1 = Equation(
+        key="visibility.smith.G1",
+        title="Smith's masking function, from conservation of projected area",
+        symbol=raw("G1_smith", r"G_1(\omega_o, \omega_m)"),
+        means=chi(om) * mu_o / seen,
+        equals=chi(om) / (1 + Lambda_o),
+        over={om: (-1, 1), Lambda_o: (0, 1e8)},
+        where={seen: mu_o * (1 + Lambda_o)},
+        proved_by="sympy: the visible projected area put in",
+        slides=(39, 40, 58),
+        cite="smith1967; heitz2014",
+    )
+    heights = Equation(
+        key="visibility.smith.heights",
+        title="Smith's masking function, averaged over heights",
+        symbol=raw("G1_heights", r"G_1(\omega_o, \omega_m)"),
+        means=sp.Integral(u**Lambda_o, (u, 0, 1)),
+        equals=1 / (1 + Lambda_o),
+        over={Lambda_o: (0, 1e8)},
+        slides=(39, 40),
+        cite="heitz2014",
+        note="u is the share of the surface that lies lower than the facet; the height distribution drops out.",
+    )
+
+
+def _alpha_steps() -> list[Any]:
+    """Squares of both sides, both positive."""
+    return [(sp.cos(wo.phi) ** 2 * alpha_x**2 + sp.sin(wo.phi) ** 2 * alpha_y**2) - _stretched_square() / sp.sin(wo.theta) ** 2]
+
+
+def _argument_steps() -> list[Any]:
+    """alpha_o tan theta_o squared is what stands under the root, over cos^2 theta_o."""
+    alpha_squared = sp.cos(wo.phi) ** 2 * alpha_x**2 + sp.sin(wo.phi) ** 2 * alpha_y**2
+    return [alpha_squared * sp.tan(wo.theta) ** 2 - _stretched_square() / sp.cos(wo.theta) ** 2]
+
+
+def _stretched_square() -> sp.Expr:
+    return (alpha_x * wo.spherical[wo.x]) ** 2 + (alpha_y * wo.spherical[wo.y]) ** 2
+
+
+def _projection_steps() -> list[Any]:
+    """-(wo.wm)/(wm.wg) for a facet of slope q, over cos theta_o, is (q - cot theta_o)/cot theta_o."""
+    facet = sp.sin(theta_o) * -q + sp.cos(theta_o)
+    return [sp.simplify(-facet / sp.cos(theta_o) - (q - sp.cot(theta_o)) / sp.cot(theta_o)).rewrite(sp.tan)]
+
+
+# --- Lambda by quadrature, for any distribution -----------------------------------------------------------------------
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
+NODES = tuple(float(v) for v in (_NODES + 1) / 2)
+WEIGHTS = tuple(float(v) for v in _WEIGHTS / 2)
+
+
+@cache
+def quadrature_Lambda(D: Callable[..., float]) -> Callable[..., float]:
+    """Lambda(x, y, z, (parameters, scale)) of any distribution: Gauss-Legendre over the half-plane of hidden slopes.
+
+    Slopes along the view: q = cot + alpha_o (tan w - tan w0); across: around the conditional mean of a stretched isotropic
+    distribution, in units that widen with q, which is exact for GGX's tails.
+    """
+
+    def tail_Lambda(x: float, y: float, z: float, p: Any) -> float:
+        across = sqrt(x * x + y * y)
+        if across == 0.0:
+            return 0.0
+        alpha_x, alpha_y = p[1]
+        c, s = x / across, y / across
+        along = sqrt((c * alpha_x) * (c * alpha_x) + (s * alpha_y) * (s * alpha_y))
+        aside = alpha_x * alpha_y / along
+        shift = s * c * (alpha_y * alpha_y - alpha_x * alpha_x) / (along * along)
+        start = abs(z) / across
+        first = atan2(start, along)
+        total = 0.0
+        for k in range(64):
+            angle = first + (0.5 * pi - first) * NODES[k]
+            q = along * tan(angle)
+            widening = aside / cos(angle)
+            inner = 0.0
+            for j in range(64):
+                turn = pi * (NODES[j] - 0.5)
+                r = shift * q + widening * tan(turn)
+                slope_x, slope_y = c * q - s * r, s * q + c * r
+                m = 1.0 / sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
+                density = D(-slope_x * m, -slope_y * m, m, p[0]) * ((m * m) * (m * m))
+                inner += WEIGHTS[j] * density / (cos(turn) * cos(turn))
+            total += WEIGHTS[k] * (q - start) * inner * pi * widening * along / (cos(angle) * cos(angle))
+        return total * (0.5 * pi - first) / start
+
+    return tail_Lambda
+
+
+@cache
+def packed_Lambda(closed: Callable[..., float]) -> Callable[..., float]:
+    """A closed-form Lambda behind the same parameters as the quadrature."""
+
+    def closed_Lambda(x: float, y: float, z: float, p: Any) -> float:
+        return closed(x, y, z, p[0])
+
+    return closed_Lambda
+
+
+# --- the model --------------------------------------------------------------------------------------------------------
+
+smith_G1 = G1.scalar
+
+
+@cache
+def masking(Lambda: Callable[..., float]) -> Callable[..., float]:
+    def G1(ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
+        if not oz > 0.0:
+            return 0.0
+        return smith_G1(ox * mx + oy * my + oz * mz, Lambda(ox, oy, oz, p))
+
+    return G1
+
+
+separable, height = shadowing.separable.scalar, shadowing.height.scalar
+direction, height_direction = shadowing.direction.scalar, shadowing.height_direction.scalar
+azimuth_blend = shadowing.correlation.scalar
+
+
+def blended(ox: float, oy: float, ix: float, iy: float) -> float:
+    """lambda for the angle between two azimuths; at the pole, where there is none, it does not matter."""
+    return azimuth_blend(abs(atan2(ox * iy - oy * ix, ox * ix + oy * iy)))
+
+
+def joint_height(Lo: float, Li: float, ox: float, oy: float, ix: float, iy: float) -> float:
+    return height(Lo, Li)
+
+
+def joint_none(Lo: float, Li: float, ox: float, oy: float, ix: float, iy: float) -> float:
+    return separable(Lo, Li)
+
+
+def joint_direction(Lo: float, Li: float, ox: float, oy: float, ix: float, iy: float) -> float:
+    return direction(Lo, Li, blended(ox, oy, ix, iy))
+
+
+def joint_height_direction(Lo: float, Li: float, ox: float, oy: float, ix: float, iy: float) -> float:
+    return height_direction(Lo, Li, blended(ox, oy, ix, iy))
+
+
+JOINT = dict(zip(CORRELATIONS, (joint_height, joint_none, joint_direction, joint_height_direction), strict=True))
+
+
+@cache
+def masking_shadowing(Lambda: Callable[..., float], joint: Callable[..., float]) -> Callable[..., float]:
+    def G2(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, mx: float, my: float, mz: float, p: Any) -> float:
+        if not (oz > 0.0 and iz > 0.0 and ox * mx + oy * my + oz * mz > 0.0 and ix * mx + iy * my + iz * mz > 0.0):
+            return 0.0
+        return joint(Lambda(ox, oy, oz, p), Lambda(ix, iy, iz, p), ox, oy, ix, iy)
+
+    return G2
+
+
+class Smith(Masking):
+    """Smith's model over any distribution of normals. smith1967; heitz2014.
+
+    correlation: how masking and shadowing depend on each other: "height" (default), "none" (separable), "direction",
+    "height-direction". Lambda is a closed form where the distribution has one, otherwise a quadrature.
+    """
+
+    def __init__(self, ndf: Distribution, correlation: str = "height") -> None:
+        super().__init__(ndf)
+        if correlation not in JOINT:
+            raise ValueError(f"correlation must be one of {', '.join(JOINT)}, got {correlation!r}")
+        self.correlation = correlation
+        self.parameters = (ndf.parameters, ndf.scale)
+        closed = type(ndf).closed_Lambda
+        self.Lambda_kernel = quadrature_Lambda(type(ndf).kernel) if closed is None else packed_Lambda(closed)
+        self.G1_kernel = masking(self.Lambda_kernel)
+        self.G2_kernel = masking_shadowing(self.Lambda_kernel, JOINT[correlation])
+
+    @property
+    def sampler(self) -> Callable[..., tuple[float, float, float]] | None:
+        return {GGX: sample_ggx, Beckmann: sample_beckmann}.get(type(self.ndf))

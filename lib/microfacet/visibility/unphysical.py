@@ -1,0 +1,148 @@
+"""Masking functions that no surface has: Implicit, Kelemen, Schlick-Smith. Here to be measured, not to be recommended."""
+
+from __future__ import annotations
+
+from math import pi, sqrt
+from typing import Any
+
+import sympy as sp
+
+from microfacet.directions import positive
+from microfacet.geometry.slopes import Distribution
+from microfacet.notation import chi, im, mu_i, mu_o, om, raw
+from microfacet.statement import Equation
+from microfacet.visibility.masking import Masking
+
+k = sp.Symbol("k", nonnegative=True)
+COSINE = (1e-8, 1)
+
+with sp.evaluate(False):
+    implicit_G1 = Equation(
+        key="visibility.implicit.G1",
+        title="Implicit masking",
+        symbol=raw("G1_implicit", r"G_1(\omega_o, \omega_m)"),
+        equals=chi(om) * mu_o,
+        over={om: (-1, 1), mu_o: COSINE},
+        slides=(58,),
+        cite="hoffman2010",
+    )
+    implicit_G2 = Equation(
+        key="brdf.implicit.G2",
+        title="Implicit masking and shadowing: what makes the BRDF's denominator vanish",
+        symbol=raw("G2_implicit", r"G_2(\omega_o, \omega_i, \omega_m)"),
+        equals=mu_o * mu_i,
+        over={mu_o: COSINE, mu_i: COSINE},
+        slides=(58,),
+        cite="hoffman2010",
+    )
+    kelemen_G1 = Equation(
+        key="visibility.kelemen.G1",
+        title="Kelemen masking",
+        symbol=raw("G1_kelemen", r"G_1(\omega_o, \omega_m)"),
+        equals=chi(om) * mu_o / om,
+        over={om: (1e-6, 1), mu_o: COSINE},
+        slides=(58,),
+        cite="kelemen2001",
+        note="Kelemen and Szirmay-Kalos state G2 only; this split in two equal factors is ours.",
+    )
+    kelemen_G2 = Equation(
+        key="brdf.kelemen.G2",
+        title="Kelemen masking and shadowing",
+        symbol=raw("G2_kelemen", r"G_2(\omega_o, \omega_i, \omega_m)"),
+        equals=mu_o * mu_i / (om * im),
+        over={mu_o: COSINE, mu_i: COSINE, om: (1e-6, 1), im: (1e-6, 1)},
+        slides=(58,),
+        cite="kelemen2001",
+        note="At the half vector both cosines are the same, and this is the square of the original.",
+    )
+    schlick_G1 = Equation(
+        key="visibility.schlick_smith.G1",
+        title="Schlick's approximation of Smith's masking",
+        symbol=raw("G1_schlick", r"G_1(\omega_o, \omega_m)"),
+        equals=chi(om) * mu_o / (mu_o * (1 - k) + k),
+        computed_as=chi(om) * mu_o / (mu_o + k * (1 - mu_o)),
+        over={om: (-1, 1), mu_o: COSINE, k: (0, 1)},
+        slides=(58,),
+        cite="schlick1994",
+    )
+    schlick_G2 = Equation(
+        key="brdf.schlick_smith.G2",
+        title="Schlick's approximation of Smith's masking and shadowing",
+        symbol=raw("G2_schlick", r"G_2(\omega_o, \omega_i, \omega_m)"),
+        equals=mu_o / (mu_o * (1 - k) + k) * mu_i / (mu_i * (1 - k) + k),
+        computed_as=mu_o / (mu_o + k * (1 - mu_o)) * (mu_i / (mu_i + k * (1 - mu_i))),
+        over={mu_o: COSINE, mu_i: COSINE, k: (0, 1)},
+        slides=(58,),
+        cite="schlick1994",
+    )
+
+implicit_masking, implicit_both = implicit_G1.scalar, implicit_G2.scalar
+kelemen_masking, kelemen_both = kelemen_G1.scalar, kelemen_G2.scalar
+schlick_masking, schlick_both = schlick_G1.scalar, schlick_G2.scalar
+
+
+def both_faces(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, mx: float, my: float, mz: float) -> bool:
+    """Whether both directions are above the surface and on the facet's outer side."""
+    return oz > 0.0 and iz > 0.0 and ox * mx + oy * my + oz * mz > 0.0 and ix * mx + iy * my + iz * mz > 0.0
+
+
+def implicit_kernel_G1(ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
+    return implicit_masking(ox * mx + oy * my + oz * mz, oz) if oz > 0.0 else 0.0
+
+
+def implicit_kernel_G2(
+    ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, mx: float, my: float, mz: float, p: Any
+) -> float:
+    return implicit_both(oz, iz) if both_faces(ox, oy, oz, ix, iy, iz, mx, my, mz) else 0.0
+
+
+def kelemen_kernel_G1(ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
+    cosine = ox * mx + oy * my + oz * mz
+    return kelemen_masking(cosine, oz) if oz > 0.0 and cosine > 0.0 else 0.0
+
+
+def kelemen_kernel_G2(
+    ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, mx: float, my: float, mz: float, p: Any
+) -> float:
+    if not both_faces(ox, oy, oz, ix, iy, iz, mx, my, mz):
+        return 0.0
+    return kelemen_both(oz, iz, ox * mx + oy * my + oz * mz, ix * mx + iy * my + iz * mz)
+
+
+def schlick_kernel_G1(ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
+    return schlick_masking(ox * mx + oy * my + oz * mz, oz, p[1][0]) if oz > 0.0 else 0.0
+
+
+def schlick_kernel_G2(
+    ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, mx: float, my: float, mz: float, p: Any
+) -> float:
+    return schlick_both(oz, iz, p[1][0]) if both_faces(ox, oy, oz, ix, iy, iz, mx, my, mz) else 0.0
+
+
+class Implicit(Masking):
+    """G2 = cos theta_o cos theta_i, which leaves D F/4 of the BRDF. Fails the validation equations. hoffman2010."""
+
+    G1_kernel = staticmethod(implicit_kernel_G1)
+    G2_kernel = staticmethod(implicit_kernel_G2)
+
+
+class Kelemen(Masking):
+    """G2 = cos theta_o cos theta_i/(wo.wm)^2. Fails the validation equations. kelemen2001."""
+
+    G1_kernel = staticmethod(kelemen_kernel_G1)
+    G2_kernel = staticmethod(kelemen_kernel_G2)
+
+
+class SchlickSmith(Masking):
+    """Schlick's rational approximation of Smith's G1. Fails the validation equations. schlick1994.
+
+    k: above 0; by default alpha sqrt(2/pi) with the larger roughness of the distribution. Games often use alpha/2.
+    """
+
+    G1_kernel = staticmethod(schlick_kernel_G1)
+    G2_kernel = staticmethod(schlick_kernel_G2)
+
+    def __init__(self, ndf: Distribution, k: float | None = None) -> None:
+        super().__init__(ndf)
+        self.k = max(ndf.scale) * sqrt(2 / pi) if k is None else positive("k", k)
+        self.parameters = (ndf.parameters, (self.k,))
