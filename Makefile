@@ -19,10 +19,10 @@ report: $(READY)
 	@$(BIN)/snakemake $(SNAKEMAKE_OPTIONS)
 
 test: $(READY)
-	@$(BIN)/pytest -n auto
+	@$(BIN)/pytest -n auto --dist loadgroup
 
 test-all: $(READY)
-	@$(BIN)/pytest -n auto -m ""
+	@$(BIN)/pytest -n auto --dist loadgroup -m ""
 
 lint: $(READY)
 	@$(BIN)/ruff check

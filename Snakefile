@@ -19,8 +19,6 @@ import build  # noqa: E402
 import closure  # noqa: E402
 import inventory  # noqa: E402
 
-shell.executable("bash")
-shell.prefix("set -euo pipefail; ")
 build.settle_environment()
 
 FIGURES = inventory.figures()

@@ -161,7 +161,7 @@ def to_typst(markdown: str, source: Path) -> str:
     import pypandoc
 
     pandoc = pypandoc.get_pandoc_path()
-    flags = ["--from=markdown", "--to=typst", "--columns=10000", "--wrap=preserve"]
+    flags = ["--from=markdown-auto_identifiers", "--to=typst", "--columns=10000", "--wrap=preserve"]
     flags += ["--fail-if-warnings", "--lua-filter=workflow/filter.lua"]
     done = subprocess.run([pandoc, *flags], input=markdown, capture_output=True, text=True, check=False)
     if done.returncode:

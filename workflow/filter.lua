@@ -12,7 +12,7 @@ end
 
 local commands = set [[
   left right langle rangle lfloor rfloor lceil rceil lbrace rbrace
-  frac sqrt binom int sum prod limits nolimits infty partial nabla prime circ
+  frac sqrt binom int sum prod infty partial nabla circ
   begin end text mathrm mathbf mathbb mathcal operatorname overline hat tilde bar vec underbrace
   sin cos tan cot sec csc arcsin arccos arctan sinh cosh tanh exp log ln min max lim sup inf arg
   le leq ge geq ne neq lt gt approx equiv sim propto ll gg to mapsto Rightarrow Leftrightarrow in notin
@@ -21,7 +21,7 @@ local commands = set [[
   rho sigma tau phi varphi chi psi omega ell
   Gamma Delta Theta Lambda Xi Pi Sigma Phi Psi Omega
 ]]
-local environments = set "aligned cases matrix pmatrix bmatrix"
+local environments = set "aligned cases pmatrix bmatrix"
 local closing = {["("] = ")", ["["] = "]", ["|"] = "|", ["\\langle"] = "\\rangle",
                  ["\\{"] = "\\}", ["\\lfloor"] = "\\rfloor", ["\\lceil"] = "\\rceil"}
 local reference = {eq = true, fig = true, tbl = true, sec = true}
@@ -53,6 +53,7 @@ local function check_pairs(tex)
       end
     end
   end
+  if #open > 0 then refuse("\\left" .. open[1] .. " without a \\right", tex) end
 end
 
 -- What is left when words in text and scaled bars are taken out.
@@ -61,12 +62,13 @@ local function bare(tex)
 end
 
 local function check_bodies(tex)
-  for name, body in tex:gmatch("\\begin(%b{})(.-)\\end") do
+  for name in tex:gmatch("\\begin(%b{})") do
     if not environments[name:sub(2, -2)] then refuse("the environment " .. name:sub(2, -2), tex) end
+  end
+  local outer = tex:gsub("\\begin{cases}.-\\end{cases}", ""):gsub("\\begin{%a-matrix}.-\\end{%a-matrix}", "")
+  for body in outer:gmatch("\\begin{aligned}(.-)\\end{aligned}") do
     for row in (body:gsub("\\\\", "\1")):gmatch("[^\1]+") do
-      if name == "{aligned}" and select(2, row:gsub("&", "")) > 1 then
-        refuse("more than one & in a row of aligned", tex)
-      end
+      if select(2, row:gsub("&", "")) > 1 then refuse("more than one & in a row of aligned", tex) end
     end
   end
 end

@@ -32,7 +32,7 @@ def stop(sentence: str) -> NoReturn:
 def unknown(kind: str, name: str, known: Iterable[str]) -> str:
     """The sentence about a name that does not exist, with the nearest ones that do."""
     known = sorted(known)
-    near = difflib.get_close_matches(name, known, n=3, cutoff=0.5)
+    near = difflib.get_close_matches(name, known, n=3, cutoff=0.6)
     hint = f" Did you mean {' or '.join(near)}?" if near else ""
     return f"There is no {kind} called {name!r}.{hint}"
 

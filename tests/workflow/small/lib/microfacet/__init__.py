@@ -1,0 +1,12 @@
+"""A package with the public face that the build relies on, and three statements."""
+
+import importlib
+from typing import Any
+
+PUBLIC = {"GGX": "geometry.ggx", "equations": "statement"}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in PUBLIC:
+        raise AttributeError(name)
+    return getattr(importlib.import_module(f"microfacet.{PUBLIC[name]}"), name)

@@ -1,0 +1,5 @@
+"""A distribution."""
+
+
+def GGX(alpha: float) -> float:
+    return alpha * alpha

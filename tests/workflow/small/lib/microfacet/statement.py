@@ -1,0 +1,44 @@
+"""Statements whose check compares a kernel with a closed form at a few points."""
+
+from dataclasses import dataclass
+from math import sqrt
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Equation:
+    key: str
+    title: str
+    slides: tuple[int, ...]
+    cite: str
+    latex: str
+    closed: str
+    kernel: str
+
+    def check(self) -> dict[str, Any]:
+        points = (0.25, 1.0, 3.0)
+        pairs = [[eval(code, {"a": a, "sqrt": sqrt}) for code in (self.closed, self.kernel)] for a in points]
+        worst = max(abs(exact - computed) for exact, computed in pairs)
+        numeric = {"status": "pass" if worst < 1e-12 else "fail", "detail": f"off by {worst:.1e} at worst"}
+        verdict, message = ("pass", "") if worst < 1e-12 else ("fail", "the kernel leaves the closed form")
+        none = {"status": "none", "detail": ""}
+        marks = {"symbolic": none, "enclosed": none, "numeric": numeric, "measured": none}
+        return {"key": self.key, "verdict": verdict, "message": message, "marks": marks}
+
+
+LAMBDA = "(sqrt(1 + 1 / a**2) - 1) / 2"
+
+
+class Equations(dict[str, Equation]):
+    def fingerprints(self) -> dict[str, str]:
+        return {key: f"{e.closed} {e.kernel}" for key, e in self.items()}
+
+
+equations = Equations()
+for one in (
+    Equation("geometry.area", "Projected area", (35, 36), "heitz2014", r"\int D(\omega_m)\, d\omega_m = 1", "1", "1"),
+    Equation("visibility.G1", "masking", (39,), "smith1967; heitz2014", r"G_1 = \frac{1}{1 + \Lambda}", "a", "a"),
+    Equation("visibility.Lambda", "Lambda of GGX", (62, 63), "heitz2014, eq. 72",
+             r"\Lambda(a) = \frac{-1 + \sqrt{1 + \frac{1}{a^{2}}}}{2}", LAMBDA, LAMBDA),
+):  # fmt: skip
+    equations[one.key] = one

@@ -1,0 +1,135 @@
+"""The build does what it must, once, and says clearly why it cannot."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from checkout import Checkout
+
+PDF = "build/report.pdf"
+STATEMENTS = "lib/microfacet/statement.py"
+
+pytestmark = pytest.mark.xdist_group("build")
+
+
+def change_kernel(checkout: Checkout, kernel: str) -> None:
+    """Give the statement visibility.G1, whose closed form is a, another kernel."""
+    text = checkout.path(STATEMENTS).read_text("utf-8")
+    checkout.path(STATEMENTS).write_text(re.sub(r'"a", "[^"]*"\)', f'"a", "{kernel}")', text), "utf-8")
+
+
+def test_the_report_is_there_and_nothing_is_left_to_do(built: Checkout) -> None:
+    assert built.path(PDF).read_bytes().startswith(b"%PDF")
+    assert "Nothing to be done" in built.snakemake("-n").stdout
+
+
+def test_lint_is_clean(built: Checkout) -> None:
+    assert "good condition" in built.snakemake("--lint").stdout
+
+
+def test_an_edited_drawing_redoes_itself_and_the_pages_only(built: Checkout) -> None:
+    built.edit("figures/visibility/masking.py", "figsize=(6, 2.5)", "figsize=(6, 2.6)")
+    assert built.jobs() == {"figure masking", f"report {PDF}"}
+
+
+def test_an_edited_caption_redoes_its_chapter_too(built: Checkout) -> None:
+    built.edit("figures/visibility/masking.py", "over the angle", "against the angle")
+    assert built.jobs() == {"figure masking", "chapter 1_visibility", f"report {PDF}"}
+
+
+def test_an_edited_kernel_redoes_its_own_check_only(built: Checkout) -> None:
+    change_kernel(built, "a * 1")
+    assert built.jobs() == {"check visibility.G1", "ledger build/ledger.json", "gate no statement may have failed",
+                            f"report {PDF}"}  # fmt: skip
+
+
+def test_an_edit_in_the_library_redoes_what_imports_it(built: Checkout) -> None:
+    built.edit("lib/microfacet/geometry/ggx.py", "alpha * alpha", "alpha**2")
+    assert built.jobs() == {"figure masking", f"report {PDF}"}
+
+
+def test_a_failing_check_stops_the_report_but_not_the_figures(built: Checkout) -> None:
+    change_kernel(built, "a + 1")
+    built.path("build/figures/plain.svg").unlink()
+    done = built.snakemake()
+    assert done.returncode != 0
+    assert "1 of 3 statements failed" in done.stdout
+    assert "visibility.G1" in done.stdout
+    assert "off by 1.0e+00" in done.stdout
+    assert not built.path(PDF).exists()
+    assert built.path("build/figures/plain.svg").exists()
+    change_kernel(built, "a")
+    assert built.snakemake().returncode == 0
+
+
+def test_a_figure_is_drawn_by_name_and_by_slide(built: Checkout) -> None:
+    for target, name in (("masking", "masking"), ("slide_42", "plain")):
+        built.path(f"build/figures/{name}.png").unlink()
+        assert f"figure {name}" in built.jobs(target)
+        assert built.path(f"build/figures/{name}.png").exists()
+    assert built.snakemake().returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("target", "sentence"),
+    [
+        ("maskin", "There is no figure or other target called 'maskin'. Did you mean masking"),
+        ("slide_40", "There is no drawn slide called 'slide_40'. Did you mean"),
+        ("build/figures/plan.svg", "There is no figure called 'plan'. Did you mean plain?"),
+    ],
+)
+def test_an_unknown_target_is_one_sentence(built: Checkout, target: str, sentence: str) -> None:
+    done = built.snakemake("-n", target)
+    assert done.returncode != 0
+    assert sentence in done.stdout
+    assert "Traceback" not in done.stdout
+
+
+def test_a_broken_chapter_names_its_place(built: Checkout) -> None:
+    text = built.path("chapters/A_ledger.md").read_text("utf-8")
+    built.edit("chapters/A_ledger.md", "ledger_table()", 'figure("maskin")')
+    built.edit("chapters/A_ledger.md", "import ledger_table", "import figure")
+    done = built.snakemake()
+    built.path("chapters/A_ledger.md").write_text(text, "utf-8")
+    assert "chapters/A_ledger.md, line 4" in done.stdout
+    assert "There is no figure called 'maskin'. Did you mean masking?" in done.stdout
+    assert not built.path(PDF).exists()
+    assert built.snakemake().returncode == 0
+
+
+def test_a_torn_record_is_one_sentence(built: Checkout) -> None:
+    built.path("build/checks/geometry.area.json").write_text('{"key": ')
+    built.path("build/ledger.json").unlink()
+    done = built.snakemake()
+    assert "The record build/checks/geometry.area.json is torn" in done.stdout
+    built.path("build/checks/geometry.area.json").unlink()
+    assert built.snakemake().returncode == 0
+
+
+@pytest.mark.slow
+def test_two_checkouts_give_the_same_bytes(built: Checkout, small: Checkout) -> None:
+    for name in ("lib", "figures", "chapters"):
+        subprocess.run(["cp", "-R", str(built.path(name)), str(small.root)], check=True)
+    assert small.snakemake().returncode == 0
+    for name in (PDF, "build/figures/masking.svg", "build/figures/masking.pdf", "build/figures/masking.png"):
+        assert small.path(name).read_bytes() == built.path(name).read_bytes(), name
+
+
+@pytest.mark.slow
+def test_a_killed_build_resumes(small: Checkout) -> None:
+    command = [sys.executable, "-m", "snakemake", "--cores", "2"]
+    process = subprocess.Popen(command, cwd=small.root, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                               start_new_session=True)  # fmt: skip
+    while not small.path("build/ledger.json").exists():
+        time.sleep(0.05)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+    done = small.snakemake()
+    assert done.returncode == 0, done.stdout
+    assert small.path(PDF).exists()

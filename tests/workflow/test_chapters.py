@@ -1,0 +1,110 @@
+"""Chapters are executed, their values put into the prose, and their faults named by line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cells
+import chapter
+import inventory
+import pytest
+import report
+from checkout import Checkout
+
+CHAPTER = """# Title {{#sec:title}}
+
+```{{code-cell}}
+:tags: [show-input]
+{code}
+```
+
+The value is {{{{{inline}}}}}.
+"""
+
+
+def execute(folder: Path, code: str = "x = 2", inline: str = "x") -> str:
+    path = folder / "chapters/3_test.md"
+    path.write_text(CHAPTER.format(code=code, inline=inline))
+    notebook = chapter.read_notebook(path)
+    chapter.execute(path.relative_to(folder), notebook)
+    return chapter.to_markdown(notebook, folder / "files")
+
+
+def test_values_and_outputs(small: Checkout) -> None:
+    text = execute(small.root, "x = {'a': 2 / 3}\nprint('shown')", "x['a']:>8.3f")
+    assert "The value is    0.667." in text
+    assert "```python\nx = {'a': 2 / 3}" in text
+    assert "```\nshown\n\n```" in text or "```\nshown\n```" in text
+
+
+@pytest.mark.parametrize(
+    ("code", "inline", "sentence"),
+    [
+        ("x = nothing", "x", "chapters/3_test.md, line 5, in `x = nothing`: NameError"),
+        ("x = 1", "z", "in {{z}}: NameError: name 'z' is not defined"),
+        ("x = (", "x", "SyntaxError"),
+    ],
+)
+def test_a_broken_cell_is_one_sentence(small: Checkout, code: str, inline: str, sentence: str) -> None:
+    with pytest.raises(SystemExit) as stop:
+        execute(small.root, code, inline)
+    assert sentence in str(stop.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("```{note}\nx\n```\n", "the directive {note}"),
+        (":::{figure} x.png\n:::\n", "the directive {figure}"),
+        ("Text {eq}`x` text", "the role {eq}`x`"),
+        ("```{code-cell}\na\nb\nc\nd\ne\n```\n", "a cell of 5 lines"),
+    ],
+)
+def test_what_the_build_would_lose_is_named(small: Checkout, text: str, fault: str) -> None:
+    path = Path("chapters/3_test.md")
+    path.write_text(f"# Title\n\n{text}")
+    assert [fault in line for line in chapter.complaints(path)] == [True]
+
+
+def test_pandoc_attributes_are_no_directives(small: Checkout) -> None:
+    path = Path("chapters/3_test.md")
+    path.write_text(
+        "::: {.ledger}\n:::\n\n```{code-cell} ipython3\n:tags: [remove-cell]\na\nb\nc\n```\n\n``` {.python}\nx\n```\n"
+    )
+    assert chapter.complaints(path) == []
+
+
+def test_what_a_chapter_names_is_found(small: Checkout) -> None:
+    found = inventory.chapters()["1_visibility"]
+    assert found.named("equation") == ["visibility.G1", "visibility.Lambda"]
+    assert found.named("figure") == found.named("data") == ["masking"]
+    assert list(inventory.chapters()) == ["1_visibility", "A_ledger"]
+
+
+@pytest.mark.parametrize(
+    ("inline", "parts"),
+    [("x:.2f", ("x", ".2f")), ("d['a:b']:.1f", ("d['a:b']", ".1f")), ("a[1:2]", ("a[1:2]", "")), ("x", ("x", ""))],
+)
+def test_inline_values_split_like_an_f_string(inline: str, parts: tuple[str, str]) -> None:
+    assert inventory.split_format(inline) == parts
+
+
+def test_a_table_chooses_its_alignment_and_refuses_bars() -> None:
+    text = cells.table([["a", 1.23456789]], ["h", "v"], caption="C.", label="tbl:t").text
+    assert text == "| h | v |\n| :-- | --: |\n| a | 1.235 |\n\n: C. {#tbl:t}"
+    with pytest.raises(ValueError, match="cannot hold a bar"):
+        cells.table([["|x|"]], ["h"], caption="C.", label="tbl:t")
+    with pytest.raises(ValueError, match="another length"):
+        cells.table([["x"]], ["h", "v"], caption="C.", label="tbl:t")
+
+
+def test_loose_ends_are_sentences() -> None:
+    texts = {
+        "1_a": '= T <sec:a>\n#refer(label("eq:missing")) @nobody',
+        "2_b": '<sec:a> #refer(label("sec:a")) @heitz2014',
+    }
+    assert list(report.loose_ends(texts, ["heitz2014"])) == [
+        "chapters/2_b.md labels sec:a again; it stands in chapters/1_a.md.",
+        "chapters/1_a.md: There is no label called 'eq:missing'.",
+        "chapters/1_a.md: There is no work in chapters/references.bib called 'nobody'.",
+    ]

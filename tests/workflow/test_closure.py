@@ -1,0 +1,75 @@
+"""The import closure: everything a script needs, and nothing that it does not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import closure
+import direction
+import pytest
+from checkout import Checkout
+
+MODULES = {
+    "__init__.py": 'import importlib\nPUBLIC = {"GGX": "geometry.ggx", "equations": "statement"}\n',
+    "notation.py": "x = 1\n",
+    "statement.py": "import importlib\nfrom .notation import x\n\nclass Equation: ...\n\nclass All:\n"
+    "    def load(self): importlib.import_module('microfacet.' + 'x')\n\nequations = All()\n",
+    "geometry/__init__.py": "",
+    "geometry/slopes.py": "from microfacet.statement import Equation\n",
+    "geometry/ggx.py": "from . import slopes\n",
+    "visibility/__init__.py": "",
+    "visibility/smith.py": "def f():\n    from ..geometry import ggx\n",
+}
+GGX = {"geometry/__init__.py", "geometry/ggx.py", "geometry/slopes.py", "statement.py", "notation.py"}
+
+
+@pytest.fixture
+def library(small: Checkout) -> Path:
+    package = small.path("lib/microfacet")
+    for name, text in MODULES.items():
+        package.joinpath(name).parent.mkdir(exist_ok=True)
+        package.joinpath(name).write_text(text)
+    for extra in {str(p.relative_to(package)) for p in package.rglob("*.py")} - set(MODULES):
+        package.joinpath(extra).unlink()
+    return package
+
+
+@pytest.mark.parametrize(
+    ("source", "needs"),
+    [
+        ("import numpy", set()),
+        ("import microfacet as mf", set()),
+        ("import microfacet as mf\nmf.GGX(0.3)", GGX),
+        ("import microfacet\nmicrofacet.GGX(0.3)", GGX),
+        ("from microfacet import GGX", GGX),
+        ("from microfacet.notation import x", {"notation.py"}),
+        ("from microfacet import notation", {"notation.py"}),
+        ("import microfacet.notation as n\nn.x", {"notation.py"}),
+        ("import microfacet as mf\nmf.geometry.slopes.Equation", GGX - {"geometry/ggx.py"}),
+        ("from microfacet.visibility import smith", GGX | {"visibility/__init__.py", "visibility/smith.py"}),
+        ("from microfacet.statement import Equation", {"statement.py", "notation.py"}),
+        ("import microfacet as mf\nmf.equations['k']", set(MODULES)),
+        ("import microfacet as mf\nprint(mf)", set(MODULES)),
+        ("from microfacet import *", set(MODULES)),
+    ],
+)
+def test_closure_of_a_source(library: Path, source: str, needs: set[str]) -> None:
+    found = closure.of_source(source)
+    assert {str(path.relative_to("lib/microfacet")) for path in found} == needs
+
+
+def test_a_helper_beside_a_script_counts(small: Checkout) -> None:
+    small.path("figures/visibility/helper.py").write_text("from microfacet.geometry import ggx\n")
+    small.path("figures/visibility/drawing.py").write_text("import helper\n")
+    assert closure.of_script(Path("figures/visibility/drawing.py")) == [
+        "figures/visibility/helper.py",
+        "lib/microfacet/geometry/__init__.py",
+        "lib/microfacet/geometry/ggx.py",
+    ]
+
+
+def test_imports_run_one_way(library: Path) -> None:
+    assert list(direction.faults()) == []
+    (library / "geometry/slopes.py").write_text("from microfacet.visibility import smith\n")
+    (library / "notation.py").write_text("def late():\n    from microfacet.geometry import ggx\n")
+    assert list(direction.faults()) == ["lib/microfacet/geometry/slopes.py:1: geometry must not import visibility"]
