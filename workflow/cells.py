@@ -30,8 +30,11 @@ def equation(key: str, *, again: bool = False) -> Markdown:
     return Markdown(f"$$ {statements[key]['latex']} $$" + label)
 
 
-def figure(name: str, width: float = 100) -> Markdown:
-    """A figure by its name, `width` per cent of the text wide; its script holds the caption."""
+def figure(name: str, width: float = 100, place: str = "auto") -> Markdown:
+    """A figure by its name, `width` per cent of the text wide; its script holds the caption.
+
+    It floats to the `top` or `bottom` of a page, whichever is nearer (`auto`), or stands `here`.
+    """
     figures = inventory.figures()
     if name not in figures:
         raise LookupError(inventory.unknown("figure", name, figures))
@@ -39,7 +42,7 @@ def figure(name: str, width: float = 100) -> Markdown:
     caption = f"**{drawn.title}** {drawn.caption}".strip()
     slides = ",".join(map(str, drawn.slides))
     image = f"build/figures/{name}.svg"
-    return Markdown(f'![{caption}]({image}){{#fig:{name} width={width:g}% slides="{slides}"}}')
+    return Markdown(f'![{caption}]({image}){{#fig:{name} width={width:g}% slides="{slides}" place={place}}}')
 
 
 def data(name: str) -> Any:

@@ -151,6 +151,15 @@ local function image_of(figure)
   return found
 end
 
+local places = {auto = "auto", top = "top", bottom = "bottom", here = "none"}
+
+local function place_of(image)
+  local place = image.attributes.place or "auto"
+  if places[place] then return places[place] end
+  io.stderr:write("\nA figure is placed auto, top, bottom or here, not " .. place .. ".\n")
+  os.exit(3)
+end
+
 local function share(width) return (width or "100%"):gsub("%%$", "") .. "%" end
 
 -- The caption's first words in bold are the figure's title.
@@ -167,10 +176,10 @@ function Figure(figure)
   local label = figure.identifier ~= "" and figure.identifier or image.identifier
   local caption = pandoc.utils.blocks_to_inlines(figure.caption.long)
   local title, rest = title_and_rest(caption)
-  local call = string.format("#picture(%s, %s, %s, slides: (%s), width: %s, alt: %s)",
+  local call = string.format("#picture(%s, %s, %s, slides: (%s), width: %s, place: %s, alt: %s)",
     quoted("/" .. image.src), content(title), content(rest),
     (image.attributes.slides or ""):gsub("[%d]+$", "%0,"), share(image.attributes.width),
-    quoted(pandoc.utils.stringify(figure.caption.long)))
+    place_of(image), quoted(pandoc.utils.stringify(figure.caption.long)))
   return pandoc.RawBlock("typst", call .. (label ~= "" and " <" .. label .. ">" or ""))
 end
 
