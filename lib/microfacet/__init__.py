@@ -30,6 +30,7 @@ PUBLIC = {
     "VCavity": "visibility.v_cavity",
     "Ward": "geometry.ward",
     "equations": "statement",
+    "validate": "validation.equations",
 }
 
 

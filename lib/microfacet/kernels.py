@@ -38,7 +38,7 @@ from math import *
 import numpy as np
 from numba import float32, float64, njit, types
 
-R = {real}
+R, T = {real}, np.{real}
 """
 
 
@@ -115,8 +115,6 @@ def _real(node: ast.expr) -> ast.expr:
 
 
 def _literal(value: Any, real: type) -> ast.expr:
-    if isinstance(value, tuple):
-        return ast.Tuple([_literal(v, real) for v in value], ast.Load())
     if isinstance(value, int):
         return ast.Constant(value)
     if isinstance(value, ByPrecision) and real is np.float32:
@@ -131,6 +129,14 @@ class _Program:
         self.real = real
         self.texts: list[str] = []
         self.names: dict[FunctionType, str] = {}
+        self.tables: dict[tuple[float, ...], str] = {}
+
+    def table(self, values: tuple[float, ...]) -> str:
+        """The name of an array that holds the values of a tuple."""
+        if values not in self.tables:
+            self.tables[values] = f"table_{len(self.tables)}"
+            self.texts.append(f"{self.tables[values]} = np.array({values!r}, T)")
+        return self.tables[values]
 
     def add(self, function: FunctionType) -> str:
         if function in self.names:
@@ -139,14 +145,19 @@ class _Program:
         for name, value in _bindings(function).items():
             if isinstance(value, FunctionType):
                 names[name] = self.add(value)
-            elif isinstance(value, int | float | tuple):
+            elif isinstance(value, tuple):
+                names[name] = self.table(value)
+            elif isinstance(value, int | float):
                 constants[name] = value
             elif not (value is getattr(math, name, None) or value is getattr(builtins, name, None)):
                 raise TypeError(f"kernel {function.__qualname__} uses {name}, which is no kernel and no constant")
         unique = f"{function.__name__}_{len(self.names)}"
         self.names[function] = unique
         tree = _Embed(unique, names, constants, self.real).visit(ast.parse(source(function)))
-        self.texts.append("@njit(error_model='numpy')\n" + ast.unparse(ast.fix_missing_locations(tree)))
+        self.texts.append(
+            "@njit(error_model='numpy', no_cpython_wrapper=True, no_cfunc_wrapper=True)\n"
+            + ast.unparse(ast.fix_missing_locations(tree))
+        )
         return unique
 
 

@@ -14,7 +14,7 @@ from microfacet.directions import as_uniform, as_vectors
 from microfacet.kernels import Batch
 from microfacet.material.fresnel import Fresnel, Mirror
 from microfacet.material.reflection import reflected
-from microfacet.notation import D, F, G2, mu_i, mu_o, raw
+from microfacet.notation import G2, D, F, mu_i, mu_o, raw
 from microfacet.statement import Equation
 from microfacet.visibility.masking import Masking, over_pairs
 
@@ -156,19 +156,21 @@ def tanh_sinh(nodes: int, reach: float = 3.15) -> tuple[tuple[float, ...], tuple
     return tuple(map(float, x)), tuple(map(float, w / w.sum()))
 
 
-RADII, TURNS = 72, 72
-NODES, WEIGHTS = tanh_sinh(RADII)
-TURN_NODES, TURN_WEIGHTS = tanh_sinh(TURNS)
+ROUNDING = 1e-13  # of a sum of some 10^4 terms
+RADII = 72  # nodes along a radius, and over each half turn
 
 
 @cache
-def albedo_rule(normals: Callable[..., float], shadowing: Callable[..., float], fresnel: Callable[..., float]) -> Batch:
+def albedo_rule(
+    normals: Callable[..., float], shadowing: Callable[..., float], fresnel: Callable[..., float], count: int
+) -> Callable[..., float]:
     """Share of light reflected, by quadrature over the slopes whose mirror direction lies above the horizon.
 
     Those slopes fill the disc |slope|^2 + 2 tan theta_o (slope along the view) < 1, taken in polar coordinates around
     the upright facet, after unstretching. Radius tan w follows the tails; nodes crowd at the rim, where light grazes, and
     at right angles to the view, where near grazing the disc's edge turns away from the upright facet.
     """
+    NODES, WEIGHTS = tanh_sinh(count)
 
     def albedo(ox: float, oy: float, oz: float, p: Any) -> float:
         if not oz > 0.0:
@@ -177,8 +179,8 @@ def albedo_rule(normals: Callable[..., float], shadowing: Callable[..., float], 
         towards = atan2(alpha_y * oy, alpha_x * ox)
         total = 0.0
         for half in range(2):
-            for turn in range(TURNS):
-                angle = towards + pi * (half - 0.5 + TURN_NODES[turn])
+            for turn in range(count):
+                angle = towards + pi * (half - 0.5 + NODES[turn])
                 dx, dy = alpha_x * cos(angle), alpha_y * sin(angle)
                 lean = (dx * ox + dy * oy) / oz
                 square = dx * dx + dy * dy
@@ -186,7 +188,7 @@ def albedo_rule(normals: Callable[..., float], shadowing: Callable[..., float], 
                 rim = 1.0 / (lean + root) if lean >= 0.0 else (root - lean) / square
                 last = atan(rim)
                 ray = 0.0
-                for k in range(RADII):
+                for k in range(count):
                     radius = tan(last * NODES[k])
                     slope_x, slope_y = radius * dx, radius * dy
                     mz = 1.0 / sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
@@ -197,10 +199,22 @@ def albedo_rule(normals: Callable[..., float], shadowing: Callable[..., float], 
                         G2 = shadowing(ox, oy, oz, ix, iy, iz, mx, my, mz, p[0])
                         light = fresnel(cosine, p[1]) * G2 * cosine * normals(mx, my, mz, p[0][0]) * (mz * mz * mz)
                         ray += WEIGHTS[k] * light * radius * (1.0 + radius * radius)
-                total += TURN_WEIGHTS[turn] * ray * last
+                total += WEIGHTS[turn] * ray * last
         return total * pi * alpha_x * alpha_y / oz
 
-    return Batch(albedo, [3])
+    return albedo
+
+
+@cache
+def albedo_batch(normals: Callable[..., float], shadowing: Callable[..., float], fresnel: Callable[..., float]) -> Batch:
+    """Albedo by a fine and a coarse rule: (..., 3) -> (..., 2)."""
+    fine = albedo_rule(normals, shadowing, fresnel, RADII)
+    coarse = albedo_rule(normals, shadowing, fresnel, RADII * 3 // 4)
+
+    def both(ox: float, oy: float, oz: float, p: Any) -> tuple[float, float]:
+        return fine(ox, oy, oz, p), coarse(ox, oy, oz, p)
+
+    return Batch(both, [3], 2)
 
 
 # --- the model --------------------------------------------------------------------------------------------------------
@@ -235,8 +249,13 @@ class Microfacet:
         return rule([as_vectors("wo", wo), as_vectors("wi", wi)], self.parameters)
 
     def albedo(self, wo: Any) -> Any:
-        """Share of light from wo that is reflected, shapes (..., 3) -> (...), by quadrature with 10368 nodes."""
-        return albedo_rule(*self._parts)([as_vectors("wo", wo)], (*self.parameters, self.model.ndf.scale))
+        """Share of light from wo that is reflected, shapes (..., 3) -> (...), by quadrature."""
+        return self.albedo_with_error(wo)[0]
+
+    def albedo_with_error(self, wo: Any) -> tuple[Any, Any]:
+        """The albedo, and its error estimated from a coarser rule and from rounding."""
+        both = albedo_batch(*self._parts)([as_vectors("wo", wo)], (*self.parameters, self.model.ndf.scale))
+        return both[..., 0], abs(both[..., 0] - both[..., 1]) + ROUNDING
 
     def __repr__(self) -> str:
         return f"Microfacet({self.model!r}, {type(self.fresnel).__name__}{self.fresnel.parameters})"

@@ -11,7 +11,6 @@ import sympy as sp
 from microfacet.arithmetic import two_product, two_sum
 from microfacet.directions import positive
 from microfacet.geometry.slopes import Distribution, around, normals_integral
-from microfacet.kernels import packed
 from microfacet.notation import chi, n, q, raw, u, wm, y
 from microfacet.statement import Equation
 

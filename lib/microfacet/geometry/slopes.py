@@ -13,7 +13,6 @@ from functools import cache
 from math import cos, pi, sin, sqrt
 from typing import Any, ClassVar
 
-import numpy as np
 import sympy as sp
 
 from microfacet.directions import as_uniform, as_vectors

@@ -49,7 +49,9 @@ def conductor(c: float, eta: float, kappa: float) -> float:
     small = product / large if large > 0.0 else 0.0
     a = large if t >= 0.0 else small
     b = small if t >= 0.0 else large
-    apart = ((eta - 1.0) * (eta + 1.0) - kappa * kappa + b * b) / (a + c) if t >= 0.0 else a - c
+    apart = a - c
+    if t >= 0.0 and abs(apart) < 0.5 * a:
+        apart = ((eta - 1.0) * (eta + 1.0) - (kappa - b) * (kappa + b)) / (a + c)
     across = (apart * apart + b * b) / ((a + c) * (a + c) + b * b)
     along = ((a * c - s2) * (a * c - s2) + (b * c) * (b * c)) / ((a * c + s2) * (a * c + s2) + (b * c) * (b * c))
     return 0.5 * across * (1.0 + along)
@@ -139,7 +141,7 @@ conductor_F = Equation(
     symbol=raw("F_conductor", reflectance),
     equals=_PRINTED,
     computed_as=_PRINTED.subs({_a: _A, _b: sp.sqrt(_B2)}),
-    rewrite_proof=lambda: [],
+    rewrite_proof=list,
     where={_a: _A, _b: sp.sqrt(_B2)},
     computed_by=conductor,
     over={c: COSINE, eta: (0.05, 5), kappa: (0.01, 10)},

@@ -6,7 +6,7 @@ from typing import Any
 
 import sympy as sp
 
-from microfacet.notation import D, G1, ih, mu_o, om, raw
+from microfacet.notation import G1, D, ih, mu_o, om, raw
 from microfacet.statement import Equation
 
 m_vector, o_vector = raw("m_vector", r"\omega_m"), raw("o_vector", r"\omega_o")

@@ -14,7 +14,7 @@ import sympy as sp
 from microfacet.directions import as_uniform, as_vectors
 from microfacet.geometry.slopes import Distribution, normals_integral
 from microfacet.kernels import Batch, Parameters
-from microfacet.notation import D, G1, G2, Lambda_o, mu_i, mu_o, om, raw
+from microfacet.notation import G1, D, mu_o, om, raw
 from microfacet.statement import Equation
 
 # --- statements ---------------------------------------------------------------------------------------------------

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from microfacet.notation import LATEX, G1, Lambda_i, Lambda_o, phi, u
+from microfacet.notation import G1, LATEX, Lambda_i, Lambda_o, phi, u
 from microfacet.statement import Equation
 
 OCCLUSION = (0, 1e4)

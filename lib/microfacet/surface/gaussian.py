@@ -1,0 +1,210 @@
+"""Periodic Gaussian height fields of a stated autocorrelation, made in two independent ways.
+
+A field has one height per node of a square grid, z[i, j] at x = i, y = j, repeated for ever with period ``size``. All
+lengths, heights too, are in units of the grid's cell. Heights are normally distributed with
+
+    <z(x, y) z(x + dx, y + dy)> = sigma^2 exp(-(dx/l_x)^2 - (dy/l_y)^2),
+
+so the slopes of the smooth surface are Beckmann's, with alpha_x = 2 sigma/l_x and alpha_y = 2 sigma/l_y.
+
+A grid flattens. Each cell is cut into two facets (see microfacet.surface.trace) whose slopes are differences of
+neighbouring heights; they are normally distributed too, but with
+
+    alpha_x = 2 sigma sqrt(1 - exp(-1/l_x^2)) < 2 sigma/l_x.
+
+By default sigma and l_y are chosen so that the facets, not the smooth surface, have the alpha asked for.
+
+Sources: beckmann1963 (Gaussian surfaces and their slopes), lagae2009 (Gabor noise).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cached_property
+
+import numba
+import numpy as np
+import scipy.fft
+from numpy.typing import ArrayLike, NDArray
+
+from microfacet.directions import positive
+from microfacet.kernels import threads
+
+Array = NDArray[np.float64]
+PERIODS = 6.0  # correlation lengths in a period, at least: its ends are then independent to exp(-36)
+REACH = 6.0  # a Gabor kernel ends at so many standard deviations, where it is 2e-8 of its maximum
+BAND = 64  # rows of the grid that a thread fills at once
+
+
+@dataclass(frozen=True)
+class GaussianField:
+    """An endless family of Gaussian height fields: the same number `k` always gives the same surface.
+
+    size: nodes per side and period, a whole number. alpha_x, alpha_y: Beckmann's roughness (equal if alpha_y is omitted).
+    correlation: cells per correlation length, l_x sqrt(alpha_x/alpha_y). root: seed of the family; surface k is drawn from
+    SeedSequence(root, spawn_key=(k,)). corrected: facets have the alpha asked for; otherwise the smooth surface has it.
+    """
+
+    size: int
+    alpha_x: float
+    alpha_y: float | None = None
+    correlation: float = 16.0
+    root: int = 0
+    corrected: bool = True
+
+    def __post_init__(self) -> None:
+        if self.size != int(self.size) or self.size < 2:
+            raise ValueError(f"size must be a whole number of at least 2, got {self.size!r}")
+        if self.root != int(self.root) or self.root < 0:
+            raise ValueError(f"root must be a whole number of at least 0, got {self.root!r}")
+        ax = positive("alpha_x", self.alpha_x)
+        ay = ax if self.alpha_y is None else positive("alpha_y", self.alpha_y)
+        for name, value in (("alpha_x", ax), ("alpha_y", ay), ("correlation", positive("correlation", self.correlation))):
+            object.__setattr__(self, name, value)
+        if self.corrected and self._rise(ax) * (ay / ax) ** 2 >= 1:
+            raise ValueError(
+                f"correlation must be larger for this anisotropy: no grid of unit cells has it, got {self.correlation}"
+            )
+        if self.size < PERIODS * max(self.lengths):
+            raise ValueError(f"size must be at least {PERIODS:g} correlation lengths of {max(self.lengths):g}, got {self.size}")
+
+    def _alphas(self) -> tuple[float, float]:
+        assert self.alpha_y is not None
+        return self.alpha_x, self.alpha_y
+
+    def _rise(self, alpha_x: float) -> float:
+        """1 - exp(-1/l_x^2), half the relative variance of a difference of neighbours along x."""
+        ax, ay = self._alphas()
+        return -math.expm1(-ax / ay / self.correlation**2)
+
+    @cached_property
+    def lengths(self) -> tuple[float, float]:
+        """Correlation lengths (l_x, l_y) in cells."""
+        ax, ay = self._alphas()
+        along = self.correlation * math.sqrt(ay / ax)
+        if not self.corrected:
+            return along, along * ax / ay
+        return along, 1 / math.sqrt(-math.log1p(-self._rise(ax) * (ay / ax) ** 2))
+
+    @cached_property
+    def sigma(self) -> float:
+        """Root mean square height in cells."""
+        ax, _ = self._alphas()
+        return ax / 2 * (1 / math.sqrt(self._rise(ax)) if self.corrected else self.lengths[0])
+
+    @cached_property
+    def facet_alpha(self) -> tuple[float, float]:
+        """Roughness (alpha_x, alpha_y) of the facets, exactly."""
+        lx, ly = self.lengths
+        return 2 * self.sigma * math.sqrt(-math.expm1(-(lx**-2))), 2 * self.sigma * math.sqrt(-math.expm1(-(ly**-2)))
+
+    @cached_property
+    def facet_correlation(self) -> float:
+        """Coefficient of correlation between the two slopes of one facet, which comes from cutting all cells alike."""
+        ax, ay = self.facet_alpha
+        return -ax * ay / (2 * self.sigma) ** 2 / 2
+
+    def autocovariance(self, dx: ArrayLike, dy: ArrayLike) -> Array:
+        """Covariance of the heights of two points dx, dy cells apart, cells^2; shapes broadcast."""
+        lx, ly = self.lengths
+        product: Array = self.sigma**2 * self._wrapped(dx, lx) * self._wrapped(dy, ly)
+        return product
+
+    def _wrapped(self, distance: ArrayLike, length: float) -> Array:
+        shift = np.asarray(distance, float)
+        return np.sum([np.exp(-(((shift + turn * self.size) / length) ** 2)) for turn in (-1, 0, 1)], axis=0)
+
+    def seed(self, k: int, *purpose: int) -> np.random.SeedSequence:
+        """The seed of surface k, or of something else to be drawn for it."""
+        if k != int(k) or k < 0:
+            raise ValueError(f"k must be a whole number of at least 0, got {k!r}")
+        return np.random.SeedSequence(self.root, spawn_key=(int(k), *purpose))
+
+    def spectral(self, k: int) -> Array:
+        """Heights of surface k, shape (size, size): white noise with the spectrum of the autocovariance. Exact at the nodes."""
+        white = np.random.default_rng(self.seed(k)).standard_normal((self.size, self.size))
+        across = np.arange(self.size)
+        lx, ly = self.lengths
+        gain_x, gain_y = (np.sqrt(np.maximum(scipy.fft.fft(self._wrapped(across, w)).real, 0)) for w in (lx, ly))
+        waves = scipy.fft.rfft2(white, overwrite_x=True)
+        waves *= gain_x[:, None]
+        waves *= gain_y[None, : self.size // 2 + 1]
+        heights: Array = scipy.fft.irfft2(waves, s=(self.size, self.size), overwrite_x=True)
+        heights *= self.sigma
+        return heights
+
+    def gabor(self, k: int, density: float = 150.0) -> Array:
+        """Heights of surface k, shape (size, size), by Gabor noise: Gaussians times waves of random frequency and phase.
+
+        density: kernels in the area pi s_x s_y of a kernel's envelope; heights have the excess kurtosis 0.75/density.
+        A kernel's envelope and the spread of its frequencies each give half of 1/l^2. lagae2009.
+        """
+        positive("density", density)
+        envelope = tuple(w / math.sqrt(2) for w in self.lengths)
+        area = math.pi * envelope[0] * envelope[1]
+        count = max(1, round(density * self.size**2 / area))
+        rng = np.random.default_rng(self.seed(k, 0))
+        kernels = np.empty((count, 5))
+        kernels[:, :2] = rng.uniform(0, self.size, (count, 2))
+        kernels[:, 2:4] = rng.standard_normal((count, 2)) / self.lengths
+        kernels[:, 4] = rng.uniform(0, 2 * math.pi, count)
+        kernels = kernels[np.argsort(kernels[:, 0], kind="stable")]
+        heights = np.zeros((self.size, self.size))
+        with ThreadPoolExecutor(threads()) as pool:
+            for done in [pool.submit(_splat, heights, *band, kernels, *envelope) for band in self._bands()]:
+                done.result()
+        heights *= self.sigma * math.sqrt(2 * self.size**2 / (count * area))
+        return heights
+
+    def _bands(self) -> Iterator[tuple[int, int]]:
+        return ((start, min(start + BAND, self.size)) for start in range(0, self.size, BAND))
+
+
+@numba.njit(nogil=True, cache=True)
+def _splat(z: Array, first: int, last: int, kernels: Array, sx: float, sy: float) -> None:  # pragma: no cover - compiled
+    """Add to the rows first..last-1 of z all kernels (x, y, frequency_x, frequency_y, phase), in their order."""
+    n = z.shape[0]
+    even, odd = np.empty(n), np.empty(n)
+    half = min(math.ceil(REACH * sy), n // 2)
+    for k in range(kernels.shape[0]):
+        x, y, fx, fy, phase = kernels[k]
+        if _gap(x, first, last, n) > REACH * sx:
+            continue
+        start = int(math.floor(y)) - half
+        count = min(2 * half + 1, n)
+        for b in range(count):
+            away = start + b - y
+            weight = math.exp(-0.5 * (away / sy) ** 2)
+            even[b] = weight * math.cos(fy * away)
+            odd[b] = weight * math.sin(fy * away)
+        for i in range(first, last):
+            away = i - x - n * math.floor((i - x) / n + 0.5)
+            if abs(away) > REACH * sx:
+                continue
+            weight = math.exp(-0.5 * (away / sx) ** 2)
+            c, s = weight * math.cos(fx * away + phase), weight * math.sin(fx * away + phase)
+            _add_row(z[i], start % n, count, even, odd, c, s)
+
+
+@numba.njit(nogil=True, cache=True, inline="always")
+def _gap(x: float, first: int, last: int, n: int) -> float:  # pragma: no cover - compiled
+    """Least distance on a circle of length n from x to the whole numbers first..last-1."""
+    if first <= x <= last - 1:
+        return 0.0
+    return min((first - x) % n, (x - (last - 1)) % n)
+
+
+@numba.njit(nogil=True, cache=True, fastmath={"contract"})
+def _add_row(
+    row: Array, start: int, count: int, even: Array, odd: Array, c: float, s: float
+) -> None:  # pragma: no cover - compiled
+    """Add c even - s odd to count nodes of a periodic row, from start on."""
+    n = row.shape[0]
+    before = min(count, n - start)
+    for b in range(before):
+        row[start + b] += c * even[b] - s * odd[b]
+    for b in range(before, count):
+        row[start + b - n] += c * even[b] - s * odd[b]

@@ -1,0 +1,585 @@
+"""Rays against a periodic height field, each cell of which is two triangles.
+
+The surface repeats a grid of n x n heights for ever; the unit of length is the grid's cell. Node (i, j) stands at x = i,
+y = j. The diagonal from (i, j) to (i + 1, j + 1) cuts a cell into facets 2 (i n + j) and 2 (i n + j) + 1: the first has
+x - i >= y - j. Triangles, not bilinear patches: a facet then has one normal, so that what is measured is compared with a
+distribution of normals without a further model, and others can trace the same surface.
+
+How a hit is decided. A ray, seen from above, crosses a sequence of edges. It starts above the surface, so it hits the facet
+before the first edge that it crosses below, and it leaves a facet without a hit if it crosses the next edge above. One sign
+per edge decides for both facets that share it, so that no ray leaks between them. A ray that starts on a facet crosses that
+facet's own edge above, whatever rounding says: there is no offset and no tolerance anywhere.
+
+How empty space is skipped. Square blocks of 8, 64, 512, ... cells each have a plane that no point of the block exceeds.
+Where a ray is above that plane no edge needs to be looked at. A smooth surface is nearly flat in a small block, so a ray
+sinks to within a cell or two of its hit before it looks at heights. The planes only save work: they are rounded up by more
+than what rounding does to a ray, and all signs that decide are taken in double precision from the heights themselves.
+
+Many rays are stepped through the blocks in lanes, without a branch, which compiles to vector instructions; a ray that has
+nothing left to skip is taken out and walks its few cells. A ray's result depends on that ray only, not on the others, on
+their order or on the number of threads.
+
+Sources: smits1999 (watertight walks), tevs2008 (maximum pyramids), amanatides1987 (walking a grid).
+"""
+
+from __future__ import annotations
+
+import math
+from concurrent.futures import ThreadPoolExecutor
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numba
+import numpy as np
+from numba.core import types
+from numba.extending import intrinsic
+from numpy.typing import ArrayLike, NDArray
+
+from microfacet.directions import as_vectors
+from microfacet.kernels import threads
+
+Array = NDArray[np.float64]
+Singles = NDArray[np.float32]
+Integers = NDArray[np.int64]
+
+ESCAPED = -1  # what is met in place of a facet: nothing
+LOST = -2  # undecided: the ray ran almost horizontally for `REACH` cells
+REACH = 2.0**24
+
+BASE, STEP = 3, 3  # blocks have 2^BASE, 2^(BASE + STEP), ... cells a side
+START = BASE + STEP  # where rays from above begin to look
+CELLS, GONE, IDLE = BASE - STEP, -1, -2  # what a lane may do instead of passing blocks
+UNDECIDED = -3
+ASTRAY = -4
+LANES = 64
+CHUNK = 16384  # rays that a thread takes at once
+SORT = 1 << 21  # rays that are put into order at once
+TILE = 5  # rays are sorted by tiles of 2^TILE cells a side ...
+SMALL = 512  # ... unless the whole grid is no larger than this and fits the cache anyway
+LARGEST = 1e290  # stands for 1/0
+SLACK = 1e-6  # of a block's own height and slope, and a tenth of it in cells: how much planes are rounded up
+
+_jit = numba.njit(nogil=True, cache=True, error_model="numpy")
+_contracted = numba.njit(nogil=True, cache=True, error_model="numpy", fastmath={"contract"})
+
+
+class Hits(NamedTuple):
+    """What rays meet: the facet's number, or ESCAPED or LOST; and how far away, in lengths of the direction (else inf)."""
+
+    facet: Integers
+    distance: Array
+
+
+class HeightField:
+    """A periodic surface of 2 n^2 facets, from heights of shape (n, n) in cells, n a power of two and at least 8.
+
+    Heights are rounded to single precision first; the surface of these rounded heights is what everything here refers to.
+    """
+
+    def __init__(self, heights: ArrayLike) -> None:
+        given = np.asarray(heights)
+        if given.ndim != 2 or given.shape[0] != given.shape[1]:
+            raise ValueError(f"heights must have shape (n, n), got {given.shape}")
+        if given.shape[0] < 8 or given.shape[0] & (given.shape[0] - 1):
+            raise ValueError(f"heights must have a power of two of at least 8 nodes per side, got {given.shape[0]}")
+        if not np.isfinite(given).all():
+            raise ValueError(f"heights must be finite, got {given[~np.isfinite(given)][0]}")
+        if abs(given).max() > 1e30:
+            raise ValueError(f"heights must be below 1e30 cells, got {abs(given).max()}")
+        self.heights = np.array(given, np.float32, order="C")
+        self.heights.flags.writeable = False
+        self.size = len(self.heights)
+        self.top = BASE + STEP * ((self.size.bit_length() - 1 - BASE) // STEP)
+        self.planes = _planes(self.heights, self.top)
+        self.highest = float(self.heights.max())
+
+    def trace(self, origins: ArrayLike, directions: ArrayLike, facets: ArrayLike | None = None) -> Hits:
+        """The first facet that each ray meets: origins and directions (N, 3) or (3,), facets (N,).
+
+        facets: the facet on which each ray starts and which it cannot meet again. It is named, not found: an origin may be
+        off it by rounding. A direction that points into it meets it at distance 0. Without facets, or where one is below 0,
+        the origin must be above the surface. Directions need not be unit vectors.
+        """
+        o, d = self._rays(origins, directions)
+        own = self._own(facets, len(o))
+        facet, distance = np.empty(len(o), np.int64), np.empty(len(o))
+        field = (self.heights, self.planes, self.size - 1, self.top, self.highest)
+        with ThreadPoolExecutor(threads()) as pool:
+            for first in range(0, len(o), SORT):
+                part = slice(first, min(first + SORT, len(o)))
+                order = self._order(o[part], d[part])
+                rays = (o[part], d[part], own[part] if len(own) else own, order, facet[part], distance[part])
+                starts = range(0, part.stop - first, CHUNK)
+                for done in [pool.submit(_trace, *field, *rays, k, min(k + CHUNK, part.stop - first)) for k in starts]:
+                    done.result()
+        if (facet == ASTRAY).any():
+            at = int(np.argmax(facet == ASTRAY))
+            raise ValueError(f"facets must hold the origins: facet {own[at]} does not hold {o[at]} of ray {at}")
+        return Hits(facet, distance)
+
+    def escapes(self, origins: ArrayLike, directions: ArrayLike, facets: ArrayLike | None = None) -> NDArray[np.bool_]:
+        """Whether each ray leaves the surface, (N,); arguments as for `trace`. A ray that is LOST does not."""
+        left: NDArray[np.bool_] = self.trace(origins, directions, facets).facet == ESCAPED
+        return left
+
+    def _rays(self, origins: ArrayLike, directions: ArrayLike) -> tuple[Array, Array]:
+        o, d = as_vectors("origins", origins), as_vectors("directions", directions)
+        try:
+            shape = np.broadcast_shapes(o.shape, d.shape, (1, 3))
+        except ValueError:
+            shape = ()
+        if len(shape) != 2:
+            raise ValueError(f"origins and directions must have shape (N, 3) or (3,), got {o.shape} and {d.shape}")
+        still = ~d.any(axis=-1)
+        if still.any():
+            raise ValueError(f"directions must not be 0, got {d.reshape(-1, 3)[np.argmax(still)]} at index {np.argmax(still)}")
+        return (np.ascontiguousarray(np.broadcast_to(a, shape), np.float64) for a in (o, d))  # type: ignore[return-value]
+
+    def _own(self, facets: ArrayLike | None, count: int) -> Integers:
+        if facets is None:
+            return np.empty(0, np.int64)
+        given = np.asarray(facets)
+        if given.shape != (count,) or given.dtype.kind not in "iu":
+            raise ValueError(f"facets must be whole numbers of shape ({count},), got {given.dtype} of shape {given.shape}")
+        if count and given.max() >= 2 * self.size**2:
+            raise ValueError(f"facets must be below {2 * self.size**2}, got {given.max()}")
+        return np.ascontiguousarray(given, np.int64)
+
+    def _order(self, o: Array, d: Array) -> Integers:
+        """An order of the rays that suits the cache; empty if theirs does already."""
+        if self.size <= SMALL or len(o) < CHUNK:
+            return np.empty(0, np.int64)
+        pairs = np.linspace(0, len(o) - 2, 512).astype(int)
+        if np.median(np.abs(o[pairs + 1, :2] - o[pairs, :2]).max(axis=1)) <= 2 << TILE:
+            return np.empty(0, np.int64)
+        return _by_tile(o, d, self.highest, self.size)
+
+    def locate(self, x: ArrayLike, y: ArrayLike) -> tuple[Integers, Array]:
+        """The facet over or under each point (x, y), and the surface's height there; shapes broadcast."""
+        xs, ys = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
+        if not (np.isfinite(xs).all() and np.isfinite(ys).all()):
+            raise ValueError(f"x and y must be finite, got {xs[~(np.isfinite(xs) & np.isfinite(ys))]}")
+        i, j = np.floor(xs), np.floor(ys)
+        u, v = xs - i, ys - j
+        near, far = i.astype(np.int64) % self.size, (i.astype(np.int64) + 1) % self.size
+        left, right = j.astype(np.int64) % self.size, (j.astype(np.int64) + 1) % self.size
+        upper = v > u
+        z00, z11 = self.heights[near, left].astype(float), self.heights[far, right].astype(float)
+        third = np.where(upper, self.heights[near, right], self.heights[far, left]).astype(float)
+        along, across = np.where(upper, v, u), np.where(upper, u, v)
+        height: Array = z00 + along * (third - z00) + across * (z11 - third)
+        return 2 * (near * self.size + left) + upper, height
+
+    @cached_property
+    def slopes(self) -> Array:
+        """Slope (along x, along y) of every facet, shape (2 n^2, 2), in the order of their numbers."""
+        z = self.heights.astype(float)
+        far, right = np.roll(z, -1, 0), np.roll(z, -1, 1)
+        corner = np.roll(far, -1, 1)
+        first, second = np.stack([far - z, corner - far], -1), np.stack([corner - right, right - z], -1)
+        stacked: Array = np.stack([first, second], axis=2).reshape(-1, 2)
+        return stacked
+
+    def normals(self, facets: ArrayLike) -> Array:
+        """Unit normals of facets, wm, shapes (...) -> (..., 3)."""
+        slopes = self.slopes[np.asarray(facets)]
+        length = np.sqrt(1 + np.sum(slopes**2, axis=-1))
+        normals: Array = np.stack([-slopes[..., 0], -slopes[..., 1], np.ones_like(length)], axis=-1) / length[..., None]
+        return normals
+
+    def points(self, origins: ArrayLike, directions: ArrayLike, distance: ArrayLike) -> Array:
+        """Where rays are after a finite distance, moved back into the first period: origins for the rays to follow."""
+        points: Array = np.asarray(origins, float) + np.asarray(distance, float)[..., None] * np.asarray(directions, float)
+        points[..., :2] -= self.size * np.floor(points[..., :2] / self.size)
+        return points
+
+
+# --- planes above blocks ----------------------------------------------------------------------------------------------
+
+
+def _planes(z: Singles, top: int) -> Singles:
+    """Planes over all blocks, four numbers each: height over the block's middle, slopes along x and y, nothing.
+
+    The m x m blocks of one size stand in the rows m^2 to 2 m^2 - 1.
+    """
+    planes = np.zeros((2 * (len(z) >> BASE) ** 2, 4), np.float32)
+    for shift in range(BASE, top + 1, STEP):
+        count = (len(z) >> shift) ** 2
+        _cover(z, shift, planes[count : 2 * count])
+    return planes.reshape(-1)
+
+
+@_jit
+def _cover(z: Singles, shift: int, planes: Singles) -> None:  # pragma: no cover - compiled
+    """For each block of 2^shift cells a side the plane of least squares, raised until no node of the block is above it."""
+    blocks = z.shape[0] >> shift
+    side = 1 << shift
+    moment = 0.0
+    for p in range(side + 1):
+        moment += (p - 0.5 * side) ** 2
+    moment *= side + 1
+    for block in range(blocks * blocks):
+        i, j = (block // blocks) << shift, (block % blocks) << shift
+        along, across = _moments(z, i, j, side)
+        b, c = np.float32(along / moment), np.float32(across / moment)
+        least = _above(z, i, j, side, np.float64(b), np.float64(c))
+        size = abs(least) + side * (abs(b) + abs(c))
+        planes[block, 0] = least + SLACK * (size + 0.1)
+        planes[block, 1], planes[block, 2] = b, c
+
+
+@_jit
+def _moments(z: Singles, i: int, j: int, side: int) -> tuple[float, float]:  # pragma: no cover - compiled
+    along, across = 0.0, 0.0
+    mask = z.shape[0] - 1
+    for p in range(side + 1):
+        row = z[(i + p) & mask]
+        for q in range(side + 1):
+            along += (p - 0.5 * side) * row[(j + q) & mask]
+            across += (q - 0.5 * side) * row[(j + q) & mask]
+    return along, across
+
+
+@_jit
+def _above(z: Singles, i: int, j: int, side: int, b: float, c: float) -> float:  # pragma: no cover - compiled
+    """Least height over the block's middle of a plane of the slopes (b, c) that no node exceeds."""
+    least = -math.inf
+    mask = z.shape[0] - 1
+    for p in range(side + 1):
+        row = z[(i + p) & mask]
+        for q in range(side + 1):
+            least = max(least, row[(j + q) & mask] - b * (p - 0.5 * side) - c * (q - 0.5 * side))
+    return least
+
+
+# --- an order of rays that suits the cache ------------------------------------------------------------------------------
+
+
+@_jit
+def _by_tile(o: Array, d: Array, highest: float, size: int) -> Integers:  # pragma: no cover - compiled
+    """Numbers of the rays, sorted by the tile over which each enters the surface's range of heights; stable."""
+    tiles = max(size >> TILE, 1)
+    key = np.empty(len(o), np.int32)
+    count = np.zeros(tiles * tiles + 1, np.int64)
+    for k in range(len(o)):
+        t = max((highest - o[k, 2]) / d[k, 2], 0.0) if o[k, 2] > highest and d[k, 2] < 0 else 0.0
+        i = int(math.floor(o[k, 0] + t * d[k, 0])) & (size - 1)
+        j = int(math.floor(o[k, 1] + t * d[k, 1])) & (size - 1)
+        key[k] = (i >> TILE) * tiles + (j >> TILE)
+        count[key[k] + 1] += 1
+    for k in range(tiles * tiles):
+        count[k + 1] += count[k]
+    order = np.empty(len(o), np.int64)
+    for k in range(len(o)):
+        order[count[key[k]]] = k
+        count[key[k]] += 1
+    return order
+
+
+# --- lanes ------------------------------------------------------------------------------------------------------------
+#
+# Rows of the lanes' state, of LANES entries each. Rays are mirrored so that they run towards +x and +y: a mirrored axis has
+# the mask -1, and the cell c of it is the cell ~c of the surface. t is the distance so far, (CX, CY) the cell there, SIZE
+# the binary logarithm of the block's side, or CELLS, GONE or IDLE.
+
+T, FX, FY, OZ, DX, DY, DZ, IX, IY, SX, SY, END = (row * LANES for row in range(12))
+CX, CY, SIZE, MX, MY, RAY, OWN = (row * LANES for row in range(7))
+
+
+def _scope(module: Any) -> Any:
+    """Tells LLVM that tables and lanes are different memory: only then does it turn a loop over lanes into vectors."""
+    domain = module.add_metadata(["microfacet.lanes"])
+    return module.add_metadata([module.add_metadata(["table", domain])])
+
+
+def _load(kind: str) -> Any:
+    def typed(context: Any, array: Any, index: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+            data = context.make_array(signature.args[0])(context, builder, args[0]).data
+            value = builder.load(builder.gep(data, [args[1]], inbounds=True))
+            value.set_metadata(kind, _scope(builder.module))
+            return value
+
+        return array.dtype(array, index), generate
+
+    return typed
+
+
+_look = intrinsic(_load("alias.scope"))  # _look(table, index): an entry of a table
+_get = intrinsic(_load("noalias"))  # _get(state, index): an entry of a lane
+
+
+@intrinsic
+def _put(context: Any, array: Any, index: Any, value: Any) -> Any:
+    """_put(state, index, value): change an entry of a lane."""
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        data = context.make_array(signature.args[0])(context, builder, args[0]).data
+        cast = context.cast(builder, args[2], signature.args[2], signature.args[0].dtype)
+        builder.store(cast, builder.gep(data, [args[1]], inbounds=True)).set_metadata("noalias", _scope(builder.module))
+        return context.get_dummy_value()
+
+    return types.void(array, index, value), generate
+
+
+@_contracted
+def _pass_blocks(s: Array, q: Integers, planes: Singles, mask: int, top: int, highest: float) -> None:  # pragma: no cover
+    """One step of every lane: over its block to the next one, or, where its plane is met, to there and into the block."""
+    for k in range(LANES):
+        cx, cy, old = _get(q, CX + k), _get(q, CY + k), _get(q, SIZE + k)
+        t, x, y, z = _get(s, T + k), _get(s, FX + k), _get(s, FY + k), _get(s, OZ + k)
+        dx, dy, dz = _get(s, DX + k), _get(s, DY + k), _get(s, DZ + k)
+        live = old >= BASE
+        size = old if live else BASE
+        side = 1 << size
+        x0, y0 = (cx >> size) << size, (cy >> size) << size
+        x1, y1 = float(x0 + side), float(y0 + side)
+        tx, ty = (x1 - x) * _get(s, IX + k), (y1 - y) * _get(s, IY + k)
+        along_x = tx < ty
+        leave = tx if along_x else ty
+        last = mask >> size
+        row = (last + 1) * (last + 1 + (((cx >> size) ^ _get(q, MX + k)) & last)) + (((cy >> size) ^ _get(q, MY + k)) & last)
+        b, c = _look(planes, 4 * row + 1) * _get(s, SX + k), _look(planes, 4 * row + 2) * _get(s, SY + k)
+        half = 0.5 * side
+        gap = z - _look(planes, 4 * row) - b * (x - x1 + half) - c * (y - y1 + half)
+        rate = dz - b * dx - c * dy
+        above = gap + rate * t > 0.0
+        clear = above & (gap + rate * leave > 0.0)
+        met = -gap / rate
+        met = met if met > t else t
+        met = met if above else t
+        now = leave if clear else met
+        nx, ny = np.int64(math.floor(x + now * dx)), np.int64(math.floor(y + now * dy))
+        nx = nx if nx > x0 else x0
+        ny = ny if ny > y0 else y0
+        nx = nx if nx < x0 + side - 1 else x0 + side - 1
+        ny = ny if ny < y0 + side - 1 else y0 + side - 1
+        nx = x0 + side if clear & along_x else nx
+        ny = y0 + side if clear & (not along_x) else ny
+        crossed = (((nx ^ cx) | (ny ^ cy)) >> (size + STEP)) != 0
+        wider = size + STEP if crossed & (size < top) else size
+        new = wider if clear else size - STEP
+        gone = ((dz >= 0.0) & (z + now * dz > highest)) | (now > _get(s, END + k))
+        new = GONE if gone else new
+        _put(s, T + k, now if live else t)
+        _put(q, CX + k, nx if live else cx)
+        _put(q, CY + k, ny if live else cy)
+        _put(q, SIZE + k, new if live else old)
+
+
+@_jit
+def _enter(
+    s: Array, q: Integers, k: int, o: Array, d: Array, ray: int, own: int, mask: int, top: int, highest: float
+) -> bool:  # pragma: no cover
+    """Put a ray into lane k; False if its facet does not hold its origin."""
+    x, y, z, dx, dy, dz = o[ray, 0], o[ray, 1], o[ray, 2], d[ray, 0], d[ray, 1], d[ray, 2]
+    mx, my = -1 if dx < 0 else 0, -1 if dy < 0 else 0
+    sx, sy = 1.0 + 2.0 * mx, 1.0 + 2.0 * my
+    x, dx, y, dy = sx * x, sx * dx, sy * y, sy * dy
+    t = max((highest - z) / dz, 0.0) if z > highest and dz < 0 else 0.0
+    cx, cy = int(math.floor(x + t * dx)), int(math.floor(y + t * dy))
+    side = -1
+    if own >= 0:
+        t, side = 0.0, (own & 1) ^ (1 + mx)
+        cx, cy = _near(((own >> 1) // (mask + 1)) ^ mx, x, mask + 1), _near(((own >> 1) & mask) ^ my, y, mask + 1)
+    s[T + k], s[FX + k], s[FY + k], s[OZ + k] = t, x, y, z
+    s[DX + k], s[DY + k], s[DZ + k] = dx, dy, dz
+    s[IX + k], s[IY + k] = min(1 / dx, LARGEST), min(1 / dy, LARGEST)
+    s[SX + k], s[SY + k] = sx, sy
+    s[END + k] = min(REACH / (dx + dy), LARGEST)
+    q[CX + k], q[CY + k], q[MX + k], q[MY + k], q[OWN + k] = cx, cy, mx, my, side
+    q[SIZE + k] = min(START, top) if own < 0 else CELLS
+    return own < 0 or (abs(x - cx - 0.5) <= 0.5 + 1e-6 and abs(y - cy - 0.5) <= 0.5 + 1e-6)
+
+
+@_jit
+def _near(cell: int, x: float, n: int) -> int:  # pragma: no cover
+    """The repetition of a cell that is nearest to x."""
+    return cell + n * int(math.floor((x - cell - 0.5) / n + 0.5))
+
+
+@_jit
+def _walk(s: Array, q: Integers, k: int, z: Singles, planes: Singles, mask: int) -> tuple[int, float]:  # pragma: no cover
+    """Lane k through the cells of its smallest block: the facet and distance of a hit, or UNDECIDED.
+
+    Inside a cell, u and v run from 0 to 1 in the mirrored frame. Its diagonal is u = v, or u + v = 1 if one axis is
+    mirrored (`flip`); the facet of larger u or u + v is side 1. A ray leaves through u = 1 or v = 1.
+    """
+    t, x, y, oz = s[T + k], s[FX + k], s[FY + k], s[OZ + k]
+    dx, dy, dz, ix, iy = s[DX + k], s[DY + k], s[DZ + k], s[IX + k], s[IY + k]
+    cx, cy, mx, my = q[CX + k], q[CY + k], q[MX + k], q[MY + k]
+    flip = mx != my
+    turn = 1.0 if flip else -1.0
+    across = dx + turn * dy
+    per_across = 1 / across
+    own = q[OWN + k] >= 0
+    aside = (x - cx) + turn * (y - cy) - (1.0 if flip else 0.0)
+    side = q[OWN + k] if own else int(aside + t * across > 0)
+    x0, y0 = cx, cy
+    clear = _clear(s, q, k, planes, mask)
+    while True:
+        z00, z10, z01, z11 = _corners(z, cx, cy, mx, my, mask)
+        if own and _sinks(dx, dy, dz, side, flip, z00, z10, z01, z11):
+            return _number(cx, cy, mx, my, side, mask), 0.0
+        tx, ty = (cx + 1 - x) * ix, (cy + 1 - y) * iy
+        along_x = tx < ty
+        leave = tx if along_x else ty
+        share = (y - cy) + tx * dy if along_x else (x - cx) + ty * dx
+        start = z10 if along_x else z01
+        out = 1 if flip or along_x else 0
+        under_edge = oz + leave * dz < start + share * (z11 - start)
+        aside = (x - cx) + turn * (y - cy) - (1.0 if flip else 0.0)
+        middle = -aside * per_across
+        middle = middle if middle > t else t
+        middle = middle if middle < leave else leave
+        start, stop = z01 if flip else z00, z10 if flip else z11
+        under_middle = oz + middle * dz < start + ((x - cx) + middle * dx) * (stop - start)
+        before = (out != side) & under_middle & (not own)
+        if before | (under_edge & ((out != side) | (not own))):
+            side = side if before else out
+            distance = _meet(x - cx, y - cy, oz, dx, dy, dz, side, flip, z00, z10, z01, z11)
+            return _number(cx, cy, mx, my, side, mask), min(max(distance, t), leave)
+        t, own = leave, False
+        cx, cy = (cx + 1, cy) if along_x else (cx, cy + 1)
+        side = 0 if flip or along_x else 1
+        if (((cx ^ x0) | (cy ^ y0)) >> BASE != 0) | (t > clear):
+            break
+    s[T + k], q[CX + k], q[CY + k], q[OWN + k] = t, cx, cy, -1
+    crossed = ((cx ^ x0) | (cy ^ y0)) >> (BASE + STEP) != 0
+    q[SIZE + k] = BASE + STEP if crossed and (mask + 1) >> (BASE + STEP) > 0 else BASE
+    return UNDECIDED, t
+
+
+@_jit
+def _clear(s: Array, q: Integers, k: int, planes: Singles, mask: int) -> float:  # pragma: no cover
+    """The distance from which on lane k is above the plane of its smallest block, if it rises against it."""
+    cx, cy, last = q[CX + k] >> BASE, q[CY + k] >> BASE, mask >> BASE
+    row = 4 * ((last + 1) * (last + 1 + ((cx ^ q[MX + k]) & last)) + ((cy ^ q[MY + k]) & last))
+    b, c = planes[row + 1] * s[SX + k], planes[row + 2] * s[SY + k]
+    rate = s[DZ + k] - b * s[DX + k] - c * s[DY + k]
+    half = 0.5 * (1 << BASE)
+    gap = s[OZ + k] - planes[row] - b * (s[FX + k] - (cx << BASE) - half) - c * (s[FY + k] - (cy << BASE) - half)
+    return -gap / rate if rate > 0 else LARGEST
+
+
+@_jit
+def _corners(z: Singles, cx: int, cy: int, mx: int, my: int, mask: int) -> tuple[float, float, float, float]:  # pragma: no cover
+    """Heights at (u, v) = (0, 0), (1, 0), (0, 1), (1, 1)."""
+    i0, i1 = np.uint64(((cx ^ mx) - mx) & mask), np.uint64(((cx ^ mx) + 1 + mx) & mask)
+    j0, j1 = np.uint64(((cy ^ my) - my) & mask), np.uint64(((cy ^ my) + 1 + my) & mask)
+    return np.float64(z[i0, j0]), np.float64(z[i1, j0]), np.float64(z[i0, j1]), np.float64(z[i1, j1])
+
+
+@_jit
+def _number(cx: int, cy: int, mx: int, my: int, side: int, mask: int) -> int:  # pragma: no cover
+    return 2 * (((cx ^ mx) & mask) * (mask + 1) + ((cy ^ my) & mask)) + (side ^ (1 + mx))
+
+
+@_jit
+def _sinks(
+    dx: float, dy: float, dz: float, side: int, flip: bool, z00: float, z10: float, z01: float, z11: float
+) -> bool:  # pragma: no cover
+    """Whether a direction points into a facet."""
+    b, c = _slopes(side, flip, z00, z10, z01, z11)
+    return dz - b * dx - c * dy <= 0
+
+
+@_jit
+def _slopes(
+    side: int, flip: bool, z00: float, z10: float, z01: float, z11: float
+) -> tuple[float, float]:  # pragma: no cover
+    b = z10 - z00 if (side == 0) == flip else z11 - z01
+    c = z11 - z10 if side == 1 else z01 - z00
+    return b, c
+
+
+@_jit
+def _meet(
+    x: float,
+    y: float,
+    z: float,
+    dx: float,
+    dy: float,
+    dz: float,
+    side: int,
+    flip: bool,
+    z00: float,
+    z10: float,
+    z01: float,
+    z11: float,
+) -> float:  # pragma: no cover
+    """The distance to a facet's plane."""
+    b, c = _slopes(side, flip, z00, z10, z01, z11)
+    base = z11 - b - c if flip and side == 1 else z00
+    return -(z - base - b * x - c * y) / (dz - b * dx - c * dy)
+
+
+@_jit
+def _trace(
+    z: Singles,
+    planes: Singles,
+    mask: int,
+    top: int,
+    highest: float,
+    o: Array,
+    d: Array,
+    own: Integers,
+    order: Integers,
+    facet: Integers,
+    distance: Array,
+    first: int,
+    last: int,
+) -> None:  # pragma: no cover
+    """The rays first..last-1 of the order, in lanes that are filled again as soon as they are done."""
+    s, q = np.ones(12 * LANES), np.zeros(7 * LANES, np.int64)
+    ready = np.arange(LANES)
+    waiting = LANES
+    left = last - first
+    for k in range(LANES):
+        q[SIZE + k], q[RAY + k] = IDLE, -1
+    following = first
+    while left > 0:
+        for at in range(waiting):
+            k = ready[at]
+            done = _decide(s, q, k, z, planes, mask, highest, facet, distance)
+            left -= int(done and q[RAY + k] >= 0)
+            while done and following < last:
+                ray = order[following] if len(order) else following
+                following += 1
+                q[RAY + k] = ray
+                done = not _enter(s, q, k, o, d, ray, own[ray] if len(own) else -1, mask, top, highest)
+                if done:
+                    facet[ray], distance[ray] = ASTRAY, math.inf
+                    left -= 1
+            if done:
+                q[SIZE + k], q[RAY + k] = IDLE, -1
+        _pass_blocks(s, q, planes, mask, top, highest)
+        waiting = _leaving(q, ready)
+
+
+@_jit
+def _decide(
+    s: Array, q: Integers, k: int, z: Singles, planes: Singles, mask: int, highest: float, facet: Integers, distance: Array
+) -> bool:  # pragma: no cover
+    """Whether lane k is free; if its ray has just been decided, the result is written."""
+    if q[SIZE + k] == IDLE:
+        return True
+    if q[SIZE + k] == GONE:
+        above = s[DZ + k] >= 0 and s[OZ + k] + s[T + k] * s[DZ + k] > highest
+        facet[q[RAY + k]], distance[q[RAY + k]] = ESCAPED if above else LOST, math.inf
+        return True
+    met, t = _walk(s, q, k, z, planes, mask)
+    if met == UNDECIDED:
+        return False
+    facet[q[RAY + k]], distance[q[RAY + k]] = met, t
+    return True
+
+
+@_jit
+def _leaving(q: Integers, ready: Integers) -> int:  # pragma: no cover
+    """Puts the lanes that have left the blocks in front; their number."""
+    count = 0
+    for k in range(LANES):
+        ready[count] = k
+        count += int((q[SIZE + k] < BASE) & (q[SIZE + k] != IDLE))
+    return count
