@@ -47,7 +47,7 @@ def ratio(x: float, y: float, z: float) -> tuple[float, float]:
 
 
 def exp_minus_squares(x: float, y: float, alpha_x: float, alpha_y: float, z: float, factor: float) -> float:
-    """factor exp(-((x/alpha_x)^2 + (y/alpha_y)^2)/z^2) to a few ulps; a large factor keeps a tiny exponential from underflow."""
+    """factor exp(-((x/alpha_x)^2 + (y/alpha_y)^2)/z^2) to a few ulps; a large factor delays underflow."""
     p, p_rest = ratio(x, alpha_x, z)
     q, q_rest = ratio(y, alpha_y, z)
     p_square, p_error = two_product(p, p)

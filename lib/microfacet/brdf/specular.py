@@ -162,7 +162,11 @@ RADII = 72  # nodes along a radius, and over each half turn
 
 @cache
 def albedo_rule(
-    normals: Callable[..., float], shadowing: Callable[..., float], fresnel: Callable[..., float], count: int
+    normals: Callable[..., float],
+    view: Callable[..., float],
+    shadowed: Callable[..., float],
+    fresnel: Callable[..., float],
+    count: int,
 ) -> Callable[..., float]:
     """Share of light reflected, by quadrature over the slopes whose mirror direction lies above the horizon.
 
@@ -176,6 +180,7 @@ def albedo_rule(
         if not oz > 0.0:
             return 0.0
         alpha_x, alpha_y = p[2]
+        seen = view(ox, oy, oz, p[0])
         towards = atan2(alpha_y * oy, alpha_x * ox)
         total = 0.0
         for half in range(2):
@@ -194,9 +199,11 @@ def albedo_rule(
                     mz = 1.0 / sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
                     mx, my = -slope_x * mz, -slope_y * mz
                     cosine = min(ox * mx + oy * my + oz * mz, 1.0)
-                    if cosine > 0.0:
-                        ix, iy, iz = 2.0 * cosine * mx - ox, 2.0 * cosine * my - oy, 2.0 * cosine * mz - oz
-                        G2 = shadowing(ox, oy, oz, ix, iy, iz, mx, my, mz, p[0])
+                    iz = 2.0 * cosine * mz - oz
+                    if cosine > 0.0 and iz > 0.0:
+                        ix, iy = 2.0 * cosine * mx - ox, 2.0 * cosine * my - oy
+                        lit = view(ix, iy, iz, p[0])
+                        G2 = shadowed(seen, lit, ox, oy, oz, ix, iy, iz, mx, my, mz, p[0])
                         light = fresnel(cosine, p[1]) * G2 * cosine * normals(mx, my, mz, p[0][0]) * (mz * mz * mz)
                         ray += WEIGHTS[k] * light * radius * (1.0 + radius * radius)
                 total += WEIGHTS[turn] * ray * last
@@ -206,10 +213,12 @@ def albedo_rule(
 
 
 @cache
-def albedo_batch(normals: Callable[..., float], shadowing: Callable[..., float], fresnel: Callable[..., float]) -> Batch:
+def albedo_batch(
+    normals: Callable[..., float], view: Callable[..., float], shadowed: Callable[..., float], fresnel: Callable[..., float]
+) -> Batch:
     """Albedo by a fine and a coarse rule: (..., 3) -> (..., 2)."""
-    fine = albedo_rule(normals, shadowing, fresnel, RADII)
-    coarse = albedo_rule(normals, shadowing, fresnel, RADII * 3 // 4)
+    fine = albedo_rule(normals, view, shadowed, fresnel, RADII)
+    coarse = albedo_rule(normals, view, shadowed, fresnel, RADII * 3 // 4)
 
     def both(ox: float, oy: float, oz: float, p: Any) -> tuple[float, float]:
         return fine(ox, oy, oz, p), coarse(ox, oy, oz, p)
@@ -254,7 +263,8 @@ class Microfacet:
 
     def albedo_with_error(self, wo: Any) -> tuple[Any, Any]:
         """The albedo, and its error estimated from a coarser rule and from rounding."""
-        both = albedo_batch(*self._parts)([as_vectors("wo", wo)], (*self.parameters, self.model.ndf.scale))
+        kernels = (type(self.model.ndf).kernel, self.model.view_kernel, self.model.shadowed_kernel, type(self.fresnel).kernel)
+        both = albedo_batch(*kernels)([as_vectors("wo", wo)], (*self.parameters, self.model.ndf.scale))
         return both[..., 0], abs(both[..., 0] - both[..., 1]) + ROUNDING
 
     def __repr__(self) -> str:

@@ -59,7 +59,7 @@ with sp.evaluate(False):
         over={wm: "hemisphere", alpha_x: ROUGHNESS, alpha_y: ROUGHNESS},
         slides=(55, 67),
         cite="heitz2014",
-        note="The rounding error of the exponent is carried along: a plain formula loses as many ulps as the exponent is large.",
+        note="The rounding error of the exponent is carried along: a plain formula loses as many ulps as that is large.",
     )
 
 r = sp.Symbol("r", positive=True)

@@ -147,7 +147,7 @@ def kernel_sample(u1: float, u2: float, p: Any) -> tuple[float, float]:
 
 
 class GGX(Distribution):
-    """GGX with roughness alpha_x along x and alpha_y along y (equal if omitted), both above 0. walter2007; heitz2014, eq. 85."""
+    """GGX with roughness alpha_x along x and alpha_y along y (equal if omitted), above 0. walter2007; heitz2014, eq. 85."""
 
     kernel = staticmethod(packed(D.scalar, 3, 2))
     sample_kernel = staticmethod(kernel_sample)

@@ -81,6 +81,7 @@ class Distribution:
     """A distribution of normals D, 1/sr, over unit microfacet normals.
 
     parameters: what its kernels take as their last argument. scale: the two slope scales a quadrature should resolve.
+    radial: whether D depends on the polar angle only.
     """
 
     kernel: ClassVar[Callable[..., float]]  # D(x, y, z, parameters)
@@ -89,6 +90,7 @@ class Distribution:
     closed_Lambda: ClassVar[Callable[..., float] | None] = None  # Lambda(x, y, z, parameters)
     parameters: Parameters
     scale: tuple[float, float]
+    radial: bool = False
 
     def D(self, wm: Any) -> Any:
         """D(wm), shapes (..., 3) -> (...), 1/sr; 0 below the horizon. heitz2014, section 2."""

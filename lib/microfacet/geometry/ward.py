@@ -76,3 +76,4 @@ class Ward(Distribution):
         self.alpha_x = positive("alpha_x", alpha_x)
         self.alpha_y = self.alpha_x if alpha_y is None else positive("alpha_y", alpha_y)
         self.parameters = self.scale = (self.alpha_x, self.alpha_y)
+        self.radial = self.alpha_x == self.alpha_y

@@ -14,8 +14,8 @@ from microfacet.brdf.specular import Microfacet
 from microfacet.directions import as_vectors, spherical
 from microfacet.geometry.slopes import Distribution
 from microfacet.material.reflection import reflected
-from microfacet.visibility.masking import Masking, visible_density
 from microfacet.validation.quadrature import seen_batch
+from microfacet.visibility.masking import Masking, nothing, visible_density
 
 TOLERANCE = 1e-9  # what a relative residual may be and still count as rounding and quadrature
 ROUNDING = 1e-13  # of a sum of some 10^4 terms
@@ -115,22 +115,24 @@ def _above(wo: Any) -> np.ndarray:
 
 
 @cache
-def _sums(masking: Callable[..., float], normals: Callable[..., float]) -> Callable[..., tuple[float, float, float]]:
+def _sums(masked: Callable[..., float], normals: Callable[..., float]) -> Callable[..., tuple[float, float, float]]:
     """What the visible area, the norm of the visible normals and the weak white furnace sum up, for one normal."""
-    visible = visible_density(masking, normals)
+    visible = visible_density(masked, normals)
 
-    def sums(ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> tuple[float, float, float]:
+    def sums(
+        view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any
+    ) -> tuple[float, float, float]:
         cosine = ox * mx + oy * my + oz * mz
         if not cosine > 0.0:
             return 0.0, 0.0, 0.0
-        area = masking(ox, oy, oz, mx, my, mz, p) * cosine * normals(mx, my, mz, p[0])
+        area = masked(view, ox, oy, oz, mx, my, mz, p) * cosine * normals(mx, my, mz, p[0])
         # the density of light directions at the mirror direction, through its half vector, times 4 wo.wm
         ix, iy, iz = 2.0 * cosine * mx - ox, 2.0 * cosine * my - oy, 2.0 * cosine * mz - oz
         hx, hy, hz = ox + ix, oy + iy, oz + iz
         length = sqrt(hx * hx + hy * hy + hz * hz)
         hx, hy, hz = hx / length, hy / length, hz / length
-        light = reflected_density(masking(ox, oy, oz, hx, hy, hz, p), normals(hx, hy, hz, p[0]), oz) * 4.0 * cosine
-        return area, visible(ox, oy, oz, mx, my, mz, p), light
+        light = reflected_density(masked(view, ox, oy, oz, hx, hy, hz, p), normals(hx, hy, hz, p[0]), oz) * 4.0 * cosine
+        return area, visible(view, ox, oy, oz, mx, my, mz, p), light
 
     return sums
 
@@ -139,7 +141,9 @@ def _sums(masking: Callable[..., float], normals: Callable[..., float]) -> Calla
 def _upright(normals: Callable[..., float]) -> Callable[..., tuple[float, float, float]]:
     """Seen from straight above, the normals with wo.wm > 0 are all there are."""
 
-    def upright(ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> tuple[float, float, float]:
+    def upright(
+        view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any
+    ) -> tuple[float, float, float]:
         return mz * normals(mx, my, mz, p[0]), 0.0, 0.0
 
     return upright
@@ -149,11 +153,11 @@ ABOVE = np.array([0.0, 0.0, 1.0])
 
 
 def residuals(model: Masking, wo: Any) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """For each of the four validation equations its relative residuals at view directions (n, 3), and their estimated errors."""
+    """For each of the four validation equations its relative residuals at view directions (n, 3), and their errors."""
     views, parameters = _above(wo), (model.parameters, model.ndf.scale)
     normals = type(model.ndf).kernel
-    upright = seen_batch(_upright(normals))([ABOVE], parameters)
-    sums = seen_batch(_sums(model.G1_kernel, normals))([views], parameters)
+    upright = seen_batch(nothing, _upright(normals))([ABOVE], parameters)
+    sums = seen_batch(model.view_kernel, _sums(model.masked_kernel, normals))([views], parameters)
     sums[:, [0, 3]] /= views[:, 2:]
     pairs = {
         "projected_area": (np.full(len(views), upright[0]), np.full(len(views), upright[3])),

@@ -27,16 +27,16 @@ def gauss_legendre(count: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
 
 @cache
 def seen_integrals(
-    integrand: Callable[..., tuple[float, float, float]], count: int
+    view: Callable[..., float], integrand: Callable[..., tuple[float, float, float]], count: int
 ) -> Callable[..., tuple[float, float, float]]:
-    """The kernel of three integrals of integrand(o, m, p) over the normals m with wo.wm > 0.
+    """The kernel of three integrals of integrand(view(o, p), o, m, p) over the normals m with wo.wm > 0.
 
     Parameters: (p, scale), where p goes to the integrand and scale holds the two slope scales. count: nodes along and across.
     """
     NODES, WEIGHTS = gauss_legendre(count)
 
     def strip(
-        ox: float, oy: float, oz: float, c: float, s: float, start: float, stop: float, p: Any
+        known: float, ox: float, oy: float, oz: float, c: float, s: float, start: float, stop: float, p: Any
     ) -> tuple[float, float, float]:
         """The part of the integrals between two slopes along the view, given as angles."""
         alpha_x, alpha_y = p[1]
@@ -55,7 +55,7 @@ def seen_integrals(
                 m = 1.0 / sqrt(1.0 + x * x + y * y)
                 stretch = along * widening / ((cos(turn) * cos(turn)) * (cos(angle) * cos(angle)))
                 weight = WEIGHTS[k] * WEIGHTS[j] * (m * m * m) * stretch
-                f, g, h = integrand(ox, oy, oz, -x * m, -y * m, m, p[0])
+                f, g, h = integrand(known, ox, oy, oz, -x * m, -y * m, m, p[0])
                 first, second, third = first + weight * f, second + weight * g, third + weight * h
         area = (stop - start) * pi
         return first * area, second * area, third * area
@@ -66,17 +66,18 @@ def seen_integrals(
         s = oy / across if across > 0.0 else 0.0
         along = sqrt((c * p[1][0]) * (c * p[1][0]) + (s * p[1][1]) * (s * p[1][1]))
         edge = atan(oz / (across * along)) if across > 0.0 else 0.5 * pi
-        f1, g1, h1 = strip(ox, oy, oz, c, s, -0.5 * pi, -edge, p)
-        f2, g2, h2 = strip(ox, oy, oz, c, s, -edge, edge, p)
+        known = view(ox, oy, oz, p[0])
+        f1, g1, h1 = strip(known, ox, oy, oz, c, s, -0.5 * pi, -edge, p)
+        f2, g2, h2 = strip(known, ox, oy, oz, c, s, -edge, edge, p)
         return f1 + f2, g1 + g2, h1 + h2
 
     return integrals
 
 
 @cache
-def seen_batch(integrand: Callable[..., tuple[float, float, float]]) -> Batch:
+def seen_batch(view: Callable[..., float], integrand: Callable[..., tuple[float, float, float]]) -> Batch:
     """Both rules over arrays of view directions: (..., 3) -> (..., 6), the fine one first."""
-    fine, coarse = seen_integrals(integrand, FINE), seen_integrals(integrand, COARSE)
+    fine, coarse = seen_integrals(view, integrand, FINE), seen_integrals(view, integrand, COARSE)
 
     def both(ox: float, oy: float, oz: float, p: Any) -> tuple[float, float, float, float, float, float]:
         f1, f2, f3 = fine(ox, oy, oz, p)

@@ -1,13 +1,13 @@
 """Masking: how much of a facet is seen, and what every masking model shares.
 
-`Masking` is what every model of masking and shadowing shares. A model names two kernels, G1 and G2, over a distribution.
+To add a model, write a file like v_cavity.py: its statements, and a class that names its kernels.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from typing import Any, ClassVar
+from typing import Any
 
 import sympy as sp
 
@@ -58,11 +58,13 @@ class Masking:
     """A model of masking and shadowing over a distribution of normals.
 
     ndf: the distribution. parameters: what the kernels take last: the distribution's parameters, then the model's own.
+    A model names three kernels: what it needs to know of a direction, once for all facets (`view_kernel`, by default
+    nothing); G1 given that; G2 given that for both directions.
     """
 
-    G1_kernel: Callable[..., float]  # G1(ox, oy, oz, mx, my, mz, parameters)
-    G2_kernel: Callable[..., float]  # G2(ox, oy, oz, ix, iy, iz, mx, my, mz, parameters)
-    visible_sampler: ClassVar[Callable[..., tuple[float, float, float]] | None] = None
+    view_kernel: Callable[..., float]  # view(ox, oy, oz, parameters)
+    masked_kernel: Callable[..., float]  # G1(view, ox, oy, oz, mx, my, mz, parameters)
+    shadowed_kernel: Callable[..., float]  # G2(view, light, ox, oy, oz, ix, iy, iz, mx, my, mz, parameters)
     parameters: Parameters
 
     def __init__(self, ndf: Distribution) -> None:
@@ -82,24 +84,69 @@ class Masking:
 
     def D_visible(self, wo: Any, wm: Any) -> Any:
         """Distribution of the normals that wo sees, 1/sr; shapes (..., 3) -> (...). heitz2014."""
-        kernel = visible_density(self.G1_kernel, type(self.ndf).kernel)
+        kernel = seen_by(self.view_kernel, visible_density(self.masked_kernel, type(self.ndf).kernel))
         return over_pairs(kernel)([as_vectors("wo", wo), as_vectors("wm", wm)], self.parameters)
 
     def sample_visible(self, wo: Any, u: Any) -> Any:
-        """Normals distributed as `D_visible`, shapes (..., 3) and (..., 2) -> (..., 3); the zero vector if wo is below the
-        horizon. ValueError if the model has no such sampler."""
-        sampler = self.sampler
-        if sampler is None:
+        """Normals distributed as `D_visible`, shapes (..., 3) and (..., 2) -> (..., 3), for u in [0, 1).
+
+        The zero vector where wo is below the horizon; ValueError if the model has no such sampler.
+        """
+        if self.sampler is None:
             raise ValueError(f"{self!r} has no sampler of visible normals; Smith over GGX or Beckmann has")
-        return _sampling(sampler)([as_vectors("wo", wo), as_uniform("u", u)], self.parameters)
+        return _sampling(self.sampler)([as_vectors("wo", wo), as_uniform("u", u)], self.parameters)
+
+    @property
+    def G1_kernel(self) -> Callable[..., float]:
+        """G1(ox, oy, oz, mx, my, mz, parameters)."""
+        return seen_by(self.view_kernel, self.masked_kernel)
+
+    @property
+    def G2_kernel(self) -> Callable[..., float]:
+        """G2(ox, oy, oz, ix, iy, iz, mx, my, mz, parameters)."""
+        return seen_and_lit(self.view_kernel, self.shadowed_kernel)
 
     @property
     def sampler(self) -> Callable[..., tuple[float, float, float]] | None:
         """The kernel that samples visible normals, if there is one."""
-        return type(self).visible_sampler
+        return None
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.ndf!r})"
+
+
+def nothing(ox: float, oy: float, oz: float, p: Any) -> float:
+    """What a model needs to know of a direction whose masking has a formula of its own."""
+    return 0.0
+
+
+@cache
+def seen_by(view: Callable[..., float], kernel: Callable[..., float]) -> Callable[..., float]:
+    """A kernel of a direction and a normal that finds out for itself what it needs to know of the direction."""
+
+    def seen(ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
+        return kernel(view(ox, oy, oz, p), ox, oy, oz, mx, my, mz, p) if oz > 0.0 else 0.0
+
+    return seen
+
+
+@cache
+def seen_and_lit(view: Callable[..., float], kernel: Callable[..., float]) -> Callable[..., float]:
+    """The same for two directions."""
+
+    def seen_and_lit(
+        ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, mx: float, my: float, mz: float, p: Any
+    ) -> float:
+        if not both_faces(ox, oy, oz, ix, iy, iz, mx, my, mz):
+            return 0.0
+        return kernel(view(ox, oy, oz, p), view(ix, iy, iz, p), ox, oy, oz, ix, iy, iz, mx, my, mz, p)
+
+    return seen_and_lit
+
+
+def both_faces(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, mx: float, my: float, mz: float) -> bool:
+    """Whether both directions are above the surface and on the facet's outer side."""
+    return oz > 0.0 and iz > 0.0 and ox * mx + oy * my + oz * mz > 0.0 and ix * mx + iy * my + iz * mz > 0.0
 
 
 @cache
@@ -123,13 +170,13 @@ stated_visible = visible_normals.scalar
 
 
 @cache
-def visible_density(masking: Callable[..., float], normals: Callable[..., float]) -> Callable[..., float]:
-    """The kernel of D_visible for a masking function and a distribution."""
+def visible_density(masked: Callable[..., float], normals: Callable[..., float]) -> Callable[..., float]:
+    """The kernel of D_visible, given what the masking function needs to know of the direction."""
 
-    def density(ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
+    def density(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
         cosine = ox * mx + oy * my + oz * mz
         if not (oz > 0.0 and cosine > 0.0 and mz > 0.0):
             return 0.0
-        return stated_visible(masking(ox, oy, oz, mx, my, mz, p), cosine, normals(mx, my, mz, p[0]), oz)
+        return stated_visible(masked(view, ox, oy, oz, mx, my, mz, p), cosine, normals(mx, my, mz, p[0]), oz)
 
     return density

@@ -164,6 +164,38 @@ def quadrature_Lambda(D: Callable[..., float]) -> Callable[..., float]:
 
 
 @cache
+def radial_Lambda(D: Callable[..., float]) -> Callable[..., float]:
+    """Lambda of a distribution without a preferred azimuth: the integral over azimuth is done, one over slopes is left.
+
+    Slopes of length sqrt(c^2 + s^2), c = cot theta_o, hide 2 (s - c atan(s/c)) in all; s = alpha tan w.
+    """
+
+    def ring_Lambda(x: float, y: float, z: float, p: Any) -> float:
+        across = sqrt(x * x + y * y)
+        if across == 0.0:
+            return 0.0
+        c = abs(z) / across
+        total = 0.0
+        for k in range(64):
+            angle = 0.5 * pi * NODES[k]
+            s = p[1][0] * tan(angle)
+            m = 1.0 / sqrt(1.0 + c * c + s * s)
+            density = D(sqrt(c * c + s * s) * m, 0.0, m, p[0]) * ((m * m) * (m * m))
+            total += WEIGHTS[k] * density * s * (s - c * atan2(s, c)) / (cos(angle) * cos(angle))
+        return total * pi * p[1][0] / c
+
+    return ring_Lambda
+
+
+def view_of(ndf: Distribution) -> Callable[..., float]:
+    """The cheapest kernel of Lambda for a distribution: a closed form, an integral over slopes, or one over the half-plane."""
+    kind = type(ndf)
+    if kind.closed_Lambda is not None:
+        return packed_Lambda(kind.closed_Lambda)
+    return radial_Lambda(kind.kernel) if ndf.radial else quadrature_Lambda(kind.kernel)
+
+
+@cache
 def packed_Lambda(closed: Callable[..., float]) -> Callable[..., float]:
     """A closed-form Lambda behind the same parameters as the quadrature."""
 
@@ -178,14 +210,8 @@ def packed_Lambda(closed: Callable[..., float]) -> Callable[..., float]:
 smith_G1 = G1.scalar
 
 
-@cache
-def masking(Lambda: Callable[..., float]) -> Callable[..., float]:
-    def G1(ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
-        if not oz > 0.0:
-            return 0.0
-        return smith_G1(ox * mx + oy * my + oz * mz, Lambda(ox, oy, oz, p))
-
-    return G1
+def masked(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
+    return smith_G1(ox * mx + oy * my + oz * mz, view)
 
 
 separable, height = shadowing.separable.scalar, shadowing.height.scalar
@@ -218,13 +244,24 @@ JOINT = dict(zip(CORRELATIONS, (joint_height, joint_none, joint_direction, joint
 
 
 @cache
-def masking_shadowing(Lambda: Callable[..., float], joint: Callable[..., float]) -> Callable[..., float]:
-    def G2(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, mx: float, my: float, mz: float, p: Any) -> float:
-        if not (oz > 0.0 and iz > 0.0 and ox * mx + oy * my + oz * mz > 0.0 and ix * mx + iy * my + iz * mz > 0.0):
-            return 0.0
-        return joint(Lambda(ox, oy, oz, p), Lambda(ix, iy, iz, p), ox, oy, ix, iy)
+def shadowed(joint: Callable[..., float]) -> Callable[..., float]:
+    def shadowed(
+        view: float,
+        light: float,
+        ox: float,
+        oy: float,
+        oz: float,
+        ix: float,
+        iy: float,
+        iz: float,
+        mx: float,
+        my: float,
+        mz: float,
+        p: Any,
+    ) -> float:
+        return joint(view, light, ox, oy, ix, iy)
 
-    return G2
+    return shadowed
 
 
 class Smith(Masking):
@@ -240,10 +277,9 @@ class Smith(Masking):
             raise ValueError(f"correlation must be one of {', '.join(JOINT)}, got {correlation!r}")
         self.correlation = correlation
         self.parameters = (ndf.parameters, ndf.scale)
-        closed = type(ndf).closed_Lambda
-        self.Lambda_kernel = quadrature_Lambda(type(ndf).kernel) if closed is None else packed_Lambda(closed)
-        self.G1_kernel = masking(self.Lambda_kernel)
-        self.G2_kernel = masking_shadowing(self.Lambda_kernel, JOINT[correlation])
+        self.view_kernel = view_of(ndf)
+        self.masked_kernel = masked
+        self.shadowed_kernel = shadowed(JOINT[correlation])
 
     @property
     def sampler(self) -> Callable[..., tuple[float, float, float]] | None:

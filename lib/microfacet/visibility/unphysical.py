@@ -11,7 +11,7 @@ from microfacet.directions import positive
 from microfacet.geometry.slopes import Distribution
 from microfacet.notation import chi, im, mu_i, mu_o, om, raw
 from microfacet.statement import Equation
-from microfacet.visibility.masking import Masking
+from microfacet.visibility.masking import Masking, nothing
 
 k = sp.Symbol("k", nonnegative=True)
 COSINE = (1e-8, 1)
@@ -81,56 +81,84 @@ kelemen_masking, kelemen_both = kelemen_G1.scalar, kelemen_G2.scalar
 schlick_masking, schlick_both = schlick_G1.scalar, schlick_G2.scalar
 
 
-def both_faces(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, mx: float, my: float, mz: float) -> bool:
-    """Whether both directions are above the surface and on the facet's outer side."""
-    return oz > 0.0 and iz > 0.0 and ox * mx + oy * my + oz * mz > 0.0 and ix * mx + iy * my + iz * mz > 0.0
+def implicit_masked(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
+    return implicit_masking(ox * mx + oy * my + oz * mz, oz)
 
 
-def implicit_kernel_G1(ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
-    return implicit_masking(ox * mx + oy * my + oz * mz, oz) if oz > 0.0 else 0.0
-
-
-def implicit_kernel_G2(
-    ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, mx: float, my: float, mz: float, p: Any
+def implicit_shadowed(
+    view: float,
+    light: float,
+    ox: float,
+    oy: float,
+    oz: float,
+    ix: float,
+    iy: float,
+    iz: float,
+    mx: float,
+    my: float,
+    mz: float,
+    p: Any,
 ) -> float:
-    return implicit_both(oz, iz) if both_faces(ox, oy, oz, ix, iy, iz, mx, my, mz) else 0.0
+    return implicit_both(oz, iz)
 
 
-def kelemen_kernel_G1(ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
+def kelemen_masked(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
     cosine = ox * mx + oy * my + oz * mz
-    return kelemen_masking(cosine, oz) if oz > 0.0 and cosine > 0.0 else 0.0
+    return kelemen_masking(cosine, oz) if cosine > 0.0 else 0.0
 
 
-def kelemen_kernel_G2(
-    ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, mx: float, my: float, mz: float, p: Any
+def kelemen_shadowed(
+    view: float,
+    light: float,
+    ox: float,
+    oy: float,
+    oz: float,
+    ix: float,
+    iy: float,
+    iz: float,
+    mx: float,
+    my: float,
+    mz: float,
+    p: Any,
 ) -> float:
-    if not both_faces(ox, oy, oz, ix, iy, iz, mx, my, mz):
-        return 0.0
     return kelemen_both(oz, iz, ox * mx + oy * my + oz * mz, ix * mx + iy * my + iz * mz)
 
 
-def schlick_kernel_G1(ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
-    return schlick_masking(ox * mx + oy * my + oz * mz, oz, p[1][0]) if oz > 0.0 else 0.0
+def schlick_masked(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
+    return schlick_masking(ox * mx + oy * my + oz * mz, oz, p[1][0])
 
 
-def schlick_kernel_G2(
-    ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, mx: float, my: float, mz: float, p: Any
+def schlick_shadowed(
+    view: float,
+    light: float,
+    ox: float,
+    oy: float,
+    oz: float,
+    ix: float,
+    iy: float,
+    iz: float,
+    mx: float,
+    my: float,
+    mz: float,
+    p: Any,
 ) -> float:
-    return schlick_both(oz, iz, p[1][0]) if both_faces(ox, oy, oz, ix, iy, iz, mx, my, mz) else 0.0
+    return schlick_both(oz, iz, p[1][0])
 
 
 class Implicit(Masking):
     """G2 = cos theta_o cos theta_i, which leaves D F/4 of the BRDF. Fails the validation equations. hoffman2010."""
 
-    G1_kernel = staticmethod(implicit_kernel_G1)
-    G2_kernel = staticmethod(implicit_kernel_G2)
+    view_kernel = staticmethod(nothing)
+    masked_kernel = staticmethod(implicit_masked)
+    shadowed_kernel = staticmethod(implicit_shadowed)
 
 
 class Kelemen(Masking):
     """G2 = cos theta_o cos theta_i/(wo.wm)^2. Fails the validation equations. kelemen2001."""
 
-    G1_kernel = staticmethod(kelemen_kernel_G1)
-    G2_kernel = staticmethod(kelemen_kernel_G2)
+    view_kernel = staticmethod(nothing)
+    masked_kernel = staticmethod(kelemen_masked)
+    shadowed_kernel = staticmethod(kelemen_shadowed)
 
 
 class SchlickSmith(Masking):
@@ -139,8 +167,9 @@ class SchlickSmith(Masking):
     k: above 0; by default alpha sqrt(2/pi) with the larger roughness of the distribution. Games often use alpha/2.
     """
 
-    G1_kernel = staticmethod(schlick_kernel_G1)
-    G2_kernel = staticmethod(schlick_kernel_G2)
+    view_kernel = staticmethod(nothing)
+    masked_kernel = staticmethod(schlick_masked)
+    shadowed_kernel = staticmethod(schlick_shadowed)
 
     def __init__(self, ndf: Distribution, k: float | None = None) -> None:
         super().__init__(ndf)

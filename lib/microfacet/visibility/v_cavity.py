@@ -6,10 +6,9 @@ from typing import Any
 
 import sympy as sp
 
-from microfacet.geometry.slopes import Distribution
 from microfacet.notation import chi, gm, im, mu_i, mu_o, om, raw
 from microfacet.statement import Equation
-from microfacet.visibility.masking import Masking
+from microfacet.visibility.masking import Masking, nothing
 
 opposite = sp.Symbol("opposite", real=True)  # wo.wm' for the facet on the other side of the cavity
 
@@ -56,26 +55,31 @@ with sp.evaluate(False):
 cavity_G1, cavity_G2 = G1.scalar, G2.scalar
 
 
-def kernel_G1(ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
+def masked(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
     cosine = ox * mx + oy * my + oz * mz
-    return cavity_G1(cosine, mz, oz) if oz > 0.0 and cosine > 0.0 and mz > 0.0 else 0.0
+    return cavity_G1(cosine, mz, oz) if cosine > 0.0 and mz > 0.0 else 0.0
 
 
-def kernel_G2(
-    ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, mx: float, my: float, mz: float, p: Any
+def shadowed(
+    view: float,
+    light: float,
+    ox: float,
+    oy: float,
+    oz: float,
+    ix: float,
+    iy: float,
+    iz: float,
+    mx: float,
+    my: float,
+    mz: float,
+    p: Any,
 ) -> float:
-    seen = ox * mx + oy * my + oz * mz
-    lit = ix * mx + iy * my + iz * mz
-    if not (oz > 0.0 and iz > 0.0 and seen > 0.0 and lit > 0.0 and mz > 0.0):
-        return 0.0
-    return cavity_G2(seen, lit, mz, oz, iz)
+    return cavity_G2(ox * mx + oy * my + oz * mz, ix * mx + iy * my + iz * mz, mz, oz, iz) if mz > 0.0 else 0.0
 
 
 class VCavity(Masking):
     """V-cavities over a distribution with opposite facets, D(theta, phi) = D(theta, phi + pi). cook1982."""
 
-    G1_kernel = staticmethod(kernel_G1)
-    G2_kernel = staticmethod(kernel_G2)
-
-    def __init__(self, ndf: Distribution) -> None:
-        super().__init__(ndf)
+    view_kernel = staticmethod(nothing)
+    masked_kernel = staticmethod(masked)
+    shadowed_kernel = staticmethod(shadowed)
