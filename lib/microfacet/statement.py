@@ -34,12 +34,14 @@ class Equation:
 
     key: dotted name, stage first. title: what it says, in words. symbol: the left-hand side.
     means: the definition. equals: the closed form. computed_as: the closed form rewritten so that it keeps its digits.
-    computed_by: a kernel written by hand, where no rewriting suffices; checked against `equals` all the same.
+    computed_by: a kernel written by hand, where no rewriting suffices; checked against the exact value all the same.
     over: the arguments, in order: a symbol with its interval, or a Direction with "hemisphere" or "sphere".
-    within: the promised error of the kernel in ulps, (double, single). where: what arguments, and symbols that other statements define, stand for in printed symbols.
+    within: the promised error of the kernel in ulps, (double, single).
+    where: what arguments, and symbols that other statements define, stand for in printed symbols.
     relation: "=" or, for a bound, r"\\le" or r"\\ge".
     proof: gives the expressions that sympy must find to be zero, in place of the default (means - equals);
-    rewrite_proof: likewise in place of (computed_as - equals). proved_by: how, in words. slides: where in the talk. cite: BibTeX key and equation. note: what a reader should know.
+    rewrite_proof: likewise in place of (computed_as - equals). proved_by: how, in words.
+    slides: where in the talk. cite: BibTeX key and equation. note: what a reader should know.
     """
 
     key: str
@@ -212,12 +214,17 @@ def _code(e: Any, scope: dict[str, Any]) -> str:
         return str(e)
     if e.is_Number or e.is_NumberSymbol:
         return f"({e.p}.0 / {e.q}.0)" if e.is_Rational and e.q != 1 else _decimal(e)
-    if e.is_Add:
-        return "(" + " + ".join(_code(term, scope) for term in e.args) + ")"
-    if e.is_Mul:
-        return _product(e, scope)
-    if e.is_Pow:
-        return _power(e, scope)
+    for kind, writer in ((sp.Add, _sum), (sp.Mul, _product), (sp.Pow, _power)):
+        if isinstance(e, kind):
+            return writer(e, scope)
+    return _call(e, scope)
+
+
+def _sum(e: Any, scope: dict[str, Any]) -> str:
+    return "(" + " + ".join(_code(term, scope) for term in e.args) + ")"
+
+
+def _call(e: Any, scope: dict[str, Any]) -> str:
     inside = [_code(argument, scope) for argument in e.args]
     if isinstance(e, chi):
         return f"(1.0 if {inside[0]} > 0.0 else 0.0)"
