@@ -34,6 +34,8 @@ P22 = sp.Function("P22")
 P2 = sp.Function("P2")
 
 LATEX: dict[sp.Symbol, str] = {
+    x: r"\tilde{x}",
+    y: r"\tilde{y}",
     om: r"\left\langle \omega_o, \omega_m \right\rangle",
     im: r"\left\langle \omega_i, \omega_m \right\rangle",
     oh: r"\left( \omega_o \cdot \omega_h \right)",
@@ -52,6 +54,7 @@ LATEX: dict[sp.Symbol, str] = {
 
 
 FUNCTIONS: dict[str, str] = {
+    "P2": "P_2",
     "Lambda_GGX": r"\Lambda",
     "Lambda_Beckmann": r"\Lambda",
     "Lambda_student": r"\Lambda",
@@ -123,6 +126,30 @@ class _Printer(LatexPrinter):
     def _print_tan(self, e: sp.Expr, exp: str | None = None) -> str:
         return self._trigonometric("tan", e.args[0], exp)
 
+    def _print_cot(self, e: sp.Expr, exp: str | None = None) -> str:
+        return self._trigonometric("cot", e.args[0], exp)
+
+    def _print_Mul(self, e: sp.Mul) -> str:
+        """An integral, and a factor too tall for one line, stands behind the fraction and not on it."""
+        tall = [f for f in e.args if _is_tall(f)]
+        rest = [f for f in e.args if f not in tall]
+        below = [f for f in rest if _is_below(f)]
+        if not tall or not below or any(f.is_Pow and _has_fraction(f.base) for f in below):
+            return str(super()._print_Mul(e))
+        front = self.doprint(sp.Mul(*rest, evaluate=False) if len(rest) > 1 else rest[0])
+        return " ".join([front, *(rf"\left( {self.doprint(f)} \right)" if f.is_Add else self.doprint(f) for f in tall)])
+
+    def _extremum(self, name: str, e: sp.Expr) -> str:
+        """Numbers first, then what belongs to the view, then what belongs to the light."""
+        inside = sorted(map(self.doprint, e.args), key=lambda text: (len(text) > 3, r"\omega_i" in text, text))
+        return rf"\{name} \left( {', '.join(inside)} \right)"
+
+    def _print_Max(self, e: sp.Expr, exp: str | None = None) -> str:
+        return self._extremum("max", e)
+
+    def _print_Min(self, e: sp.Expr, exp: str | None = None) -> str:
+        return self._extremum("min", e)
+
     def _print_exp(self, e: sp.Expr, exp: str | None = None) -> str:
         inside = self.doprint(e.args[0])
         return rf"\exp \left( {inside} \right)" if "\\frac" in inside or "\\tan" in inside else f"e^{{{inside}}}"
@@ -151,8 +178,25 @@ class _Printer(LatexPrinter):
 _ROMAN = {"atanh": "artanh", "asinh": "arsinh", "atan": "arctan", "asin": "arcsin", "acos": "arccos"}
 
 
+def _is_below(e: sp.Expr) -> bool:
+    """Whether the factor is printed below a fraction's bar."""
+    return bool((e.is_Rational and e.q != 1) or (e.is_Pow and e.exp.is_Number and e.exp.is_negative))
+
+
+def _has_fraction(e: sp.Expr) -> bool:
+    """Whether the expression prints with a fraction, other than in an exponent."""
+    return _is_below(e) or any(_has_fraction(f) for f in ([e.base] if e.is_Pow else e.args))
+
+
+def _is_tall(e: sp.Expr) -> bool:
+    """Whether the factor is too tall to stand on a fraction: an integral, or a sum of fractions."""
+    return isinstance(e, sp.Integral) or bool(e.is_Add and any(map(_has_fraction, e.args)))
+
+
 def _flat(e: sp.Basic) -> sp.Basic:
     """Sums of sums and products of products written as one, without factors 1: as an author writes them."""
+    if isinstance(e, sp.Rational) and e.q == 100:
+        return sp.Symbol(str(e.p / e.q))  # a measured number, printed as it was published
     if not e.args:
         return e
     args = [_flat(argument) for argument in e.args]

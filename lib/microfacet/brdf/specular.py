@@ -68,7 +68,7 @@ with sp.evaluate(False):
     anchor = Equation(
         key="brdf.specular.anchor",
         title="albedo of GGX at alpha = 1, height-correlated, F = 1",
-        symbol=raw("E_anchor", r"E(\mu_o)"),
+        symbol=raw("E_anchor", r"E(\theta_o)"),
         means=sp.Integral(mu / (mu + mu_o), (mu, 0, 1)),
         equals=1 - mu_o * sp.log(1 + 1 / mu_o),
         computed_by=None,

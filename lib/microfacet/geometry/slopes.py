@@ -21,7 +21,7 @@ from microfacet.notation import Direction, alpha_x, alpha_y, chi, raw, x, y
 from microfacet.statement import Equation
 
 m = Direction("m")
-P22_at_m = raw("P22", r"P_{22}(x_m, y_m)")
+P22_at_m = raw("P22", r"P_{22}(\tilde{x}, \tilde{y})")
 
 # --- statements ---------------------------------------------------------------------------------------------------
 
