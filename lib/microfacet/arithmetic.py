@@ -9,6 +9,7 @@ from microfacet.kernels import ByPrecision
 
 SPLIT = ByPrecision(double=134217729.0, single=4097.0)  # 2^27 + 1, 2^12 + 1: halves a significand
 UNDERFLOWS = 64.0  # exp(-64^2) is 0 in double as in single precision
+LARGEST = ByPrecision(double=1e308, single=3e38)  # bounds a factor that overflows where the exponential is 0
 
 
 def two_product(a: float, b: float) -> tuple[float, float]:
@@ -54,4 +55,4 @@ def exp_minus_squares(x: float, y: float, alpha_x: float, alpha_y: float, z: flo
     q_square, q_error = two_product(q, q)
     total, error = two_sum(p_square, q_square)
     root = exp(-0.5 * total)
-    return root * (root * factor) * (1.0 - (error + p_error + q_error + 2.0 * (p * p_rest + q * q_rest)))
+    return root * (root * min(factor, LARGEST)) * (1.0 - (error + p_error + q_error + 2.0 * (p * p_rest + q * q_rest)))
