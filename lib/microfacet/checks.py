@@ -63,6 +63,7 @@ def vanishes(expression: Any) -> bool:
     """Whether sympy proves the expression to be zero."""
     attempts: tuple[Callable[[Any], Any], ...] = (
         lambda e: e,
+        _on_circles,
         sp.simplify,
         lambda e: sp.simplify(e.rewrite(sp.erf)),
         lambda e: sp.simplify(sp.radsimp(e)),
@@ -70,6 +71,22 @@ def vanishes(expression: Any) -> bool:
     )
     value = expand_abbreviations(sp.sympify(expression)).doit()
     return any(attempt(value) == 0 for attempt in attempts)
+
+
+def _on_circles(expression: Any) -> Any:
+    """Sines and cosines as points on circles: what is left of the numerator once sin^2 = 1 - cos^2 is put in."""
+    angles = {f.args[0] for f in expression.atoms(sp.sin, sp.cos, sp.tan)}
+    if not angles:
+        return expression
+    pairs = {angle: sp.symbols(f"sin_{k} cos_{k}", cls=sp.Dummy) for k, angle in enumerate(sorted(angles, key=str))}
+    for angle, (s, c) in pairs.items():
+        expression = expression.subs({sp.tan(angle): s / c, sp.sin(angle): s, sp.cos(angle): c})
+    numerator = sp.expand(sp.fraction(sp.together(expression))[0])
+    for s, c in pairs.values():
+        if not numerator.is_polynomial(s):
+            return expression
+        numerator = sp.rem(numerator, s**2 + c**2 - 1, s)
+    return sp.expand(numerator)
 
 
 def _claims(equation: Equation) -> Iterable[tuple[str, Any]]:
@@ -158,15 +175,16 @@ def forms_disagree(equation: Equation) -> str:
         return ""
     symbols = sorted(set().union(*(form.free_symbols for form in usable.values())), key=str)
     evaluators = {name: reference(form, symbols) for name, form in usable.items()}
+    *others, computed = evaluators
     for point in itertools.islice(_printed_points(equation, symbols), 12):
-        values = {name: evaluate(*point) for name, evaluate in evaluators.items()}
-        base = next(reversed(values.values()))
+        base = evaluators[computed](*point)
         if not representable(base, np.float64):
             continue
-        for name, value in values.items():
-            if abs(value - base) > abs(base) * mpmath.mpf(10) ** -AGREE:
+        for name in others:
+            apart = abs(evaluators[name](*point) - base)
+            if apart > abs(base) * mpmath.mpf(10) ** -AGREE:
                 at = ", ".join(f"{s}={float(v):.6g}" for s, v in zip(symbols, point, strict=True))
-                return f"{name} differs from {next(reversed(values))} by {float(abs(value - base)):.3g} at {at}"
+                return f"{name} differs from {computed} by {float(apart):.3g} at {at}"
     return ""
 
 

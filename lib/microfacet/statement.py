@@ -11,7 +11,8 @@ import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
+from pathlib import Path
 from types import FunctionType
 from typing import Any
 
@@ -19,11 +20,12 @@ import mpmath
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from microfacet import balls
 from microfacet.arithmetic import exp_minus_square
 from microfacet.kernels import Batch, packed, source
 from microfacet.notation import Direction, chi, latex
 
-DIGITS = 50
+DIGITS = balls.DIGITS
 Interval = tuple[Any, Any]
 Ulps = tuple[float, float]
 
@@ -108,7 +110,11 @@ class Equation:
 
     def exact(self, *arguments: Any) -> mpmath.mpf:
         """The value at the given arguments, taken as exact binary numbers, to 50 digits."""
-        return reference(self.computed, self.arguments)(*arguments)
+        return self._reference(*arguments)
+
+    @cached_property
+    def _reference(self) -> Callable[..., mpmath.mpf]:
+        return reference(self.computed, self.arguments)
 
     @cached_property
     def scalar(self) -> FunctionType:
@@ -138,7 +144,7 @@ class Equation:
     @property
     def fingerprint(self) -> str:
         """Changes when, and only when, the outcome of the checks may change."""
-        return hashlib.sha256("\n".join(_content(self, set())).encode()).hexdigest()[:20]
+        return hashlib.sha256("\n".join([_checker(), *_content(self, set())]).encode()).hexdigest()[:20]
 
 
 def _printed_width(text: str) -> int:
@@ -159,8 +165,26 @@ def expand_abbreviations(expression: Any) -> Any:
     return expression
 
 
+def stands_for(function: Any) -> tuple[tuple[Any, ...], Any] | None:
+    """What an abbreviation that another statement defines takes and stands for."""
+    if function not in _abbreviations:
+        return None
+    stated = _abbreviations[function]
+    return stated.symbol.args, stated.equals if stated.equals is not None else stated.means
+
+
 def reference(expression: Any, arguments: Sequence[sp.Symbol]) -> Callable[..., mpmath.mpf]:
-    """A function that gives the expression to 50 digits: the working precision doubles until two agree.
+    """A function that gives the expression to 50 digits: proved in ball arithmetic where python-flint is installed."""
+    if balls.available():
+        try:
+            return balls.exact(expression, arguments)
+        except balls.NoBall:
+            pass
+    return multiprecision(expression, arguments)
+
+
+def multiprecision(expression: Any, arguments: Sequence[sp.Symbol]) -> Callable[..., mpmath.mpf]:
+    """The expression to 50 digits with mpmath alone: the working precision doubles until two agree.
 
     It begins at 400 digits: a value that a double can hold has lost at most some 330 of them to cancellation.
     """
@@ -176,7 +200,7 @@ def reference(expression: Any, arguments: Sequence[sp.Symbol]) -> Callable[..., 
                 if before is not None and abs(now - before) <= abs(now) * mpmath.mpf(10) ** -DIGITS:
                     return now
             before, digits = now, 2 * digits
-        raise ArithmeticError(f"no 50 digits of {expression} at {values}")
+        raise ArithmeticError(f"no {DIGITS} digits of {expression} at {values}")
 
     return evaluate
 
@@ -314,6 +338,13 @@ class Equations(Mapping[str, Equation]):
 
 
 equations = Equations()
+
+
+@cache
+def _checker() -> str:
+    """The text of what carries out the checks."""
+    folder = Path(__file__).parent
+    return "\n".join((folder / f"{name}.py").read_text() for name in ("statement", "checks", "balls", "kernels", "notation"))
 
 
 def _content(thing: Any, seen: set[int]) -> list[str]:
