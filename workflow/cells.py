@@ -1,11 +1,12 @@
 """What a chapter's cells may call. Each helper returns Markdown: it shows in a notebook too.
 
-from cells import data, equation, figure, ledger_table, table
+from cells import data, equation, figure, ledger_table, table, verdicts
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from math import ceil, log10
 from typing import Any
 
 import inventory
@@ -83,6 +84,35 @@ def cell_text(cell: object) -> str:
 
 def guess(column: list[object]) -> str:
     return "r" if column and all(isinstance(cell, int | float) for cell in column) else "l"
+
+
+EQUATIONS = {
+    "projected_area": "projected area",
+    "visible_area": "visible area",
+    "visible_norm": "visible normals",
+    "weak_furnace": "weak white furnace",
+    "positivity": "positivity",
+    "reciprocity": "reciprocity",
+    "energy": "largest albedo",
+}
+
+
+def verdicts(found: Mapping[str, Any], equations: Sequence[str], *, caption: str, label: str) -> Markdown:
+    """One row a model, by name; for each of the validation equations its verdict and how far off it is."""
+    rows = [[name, *(verdict_text(verdicts[e]) for e in equations)] for name, verdicts in found.items()]
+    headers = ["Model", *(EQUATIONS[e] for e in equations)]
+    return table(rows, headers, caption=caption, label=label, align="l" + "r" * len(equations))
+
+
+def verdict_text(verdict: Any) -> str:
+    """A sign, and the residual: few digits where it stands clear of its error, else a power of ten above both."""
+    sign = {"holds": "✓", "fails": "✗", "undecided": "?"}[verdict.verdict]
+    if verdict.equation == "energy":
+        return f"{1 + verdict.residual:.3f} {sign}"
+    size = abs(verdict.residual) + verdict.bound
+    if verdict.verdict == "holds":
+        return f"$< 10^{{{ceil(log10(size))}}}$ {sign}" if size else f"0 {sign}"
+    return f"${verdict.residual:+.3f}$ {sign}"
 
 
 def ledger_table() -> Markdown:

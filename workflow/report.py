@@ -19,7 +19,7 @@ WORKS = Path("chapters/references.bib")
 ABSTRACT = "abstract"
 LABEL = re.compile(r"<((?:eq|fig|tbl|sec):[^>\s]+)>")
 REFERENCE = re.compile(r'#refer(?:-bare)?\(label\("([^"]+)"\)\)')
-CITATION = re.compile(r"#cite\(<([^>]+)>|(?<![\w\\.])@([A-Za-z][\w:-]*)")
+CITATION = re.compile(r"#cite\(<([^>]+)>|(?<![\w\\.])@([A-Za-z](?:[\w:-]*\w)?)")
 
 
 def works() -> list[str]:
