@@ -160,8 +160,9 @@ class _Printer(LatexPrinter):
 
     def _print_Function(self, e: sp.Expr, exp: str | None = None) -> str:
         if isinstance(e, AppliedUndef):
-            name = FUNCTIONS.get(e.func.__name__, e.func.__name__)
-            return rf"{name}({', '.join(map(self.doprint, e.args))})" + (f"^{{{exp}}}" if exp else "")
+            name, inside = FUNCTIONS.get(e.func.__name__, e.func.__name__), ", ".join(map(self.doprint, e.args))
+            bracketed = rf"\left( {inside} \right)" if "\\frac" in inside else f"({inside})"
+            return name + bracketed + (f"^{{{exp}}}" if exp else "")
         name = _ROMAN.get(e.func.__name__, e.func.__name__)
         return rf"\mathrm{{{name}}}{f'^{{{exp}}}' if exp else ''}\left( {', '.join(map(self.doprint, e.args))} \right)"
 
@@ -189,8 +190,11 @@ def _has_fraction(e: sp.Expr) -> bool:
 
 
 def _is_tall(e: sp.Expr) -> bool:
-    """Whether the factor is too tall to stand on a fraction: an integral, or a sum of fractions."""
-    return isinstance(e, sp.Integral) or bool(e.is_Add and any(map(_has_fraction, e.args)))
+    """Whether the factor is too tall to stand on a fraction: an integral, or what itself holds a fraction."""
+    if isinstance(e, sp.Integral):
+        return True
+    inside = [e.base] if e.is_Pow and e.exp.is_positive else e.args if e.is_Add or isinstance(e, sp.Function) else ()
+    return any(map(_has_fraction, inside))
 
 
 def _flat(e: sp.Basic) -> sp.Basic:

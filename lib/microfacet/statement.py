@@ -83,7 +83,10 @@ class Equation:
         """The statement as the report prints it: symbol = definition = closed form."""
         left, *right = [latex(e) for e in (self.symbol, self.means, self.equals) if e is not None]
         signs = ["="] * (len(right) - 1) + [self.relation]
-        if len(right) == 1 or sum(map(_printed_width, [left, *right])) < 62:
+        width = sum(map(_printed_width, [left, *right]))
+        if len(right) == 1 and width > 90:
+            return rf"\begin{{aligned}} &{left} \\ &\quad {signs[0]} {right[0]} \end{{aligned}}"
+        if len(right) == 1 or width < 62:
             return " ".join([left, *(f"{s} {r}" for s, r in zip(signs, right, strict=True))])
         lines = r" \\ ".join(f"&{s} {r}" for s, r in zip(signs, right, strict=True))
         return rf"\begin{{aligned}} {left} {lines} \end{{aligned}}"
