@@ -32,3 +32,15 @@ def load(path: str) -> dict[str, NDArray[Any]]:
         sys.exit(f"The data file {path} is missing: {remedy}.")
     except (OSError, EOFError, ValueError, zipfile.BadZipFile):
         sys.exit(f"The data file {path} is torn or not a data file: delete it and {remedy}.")
+
+
+def rounded(arrays: dict[str, ArrayLike], digits: int = 7) -> dict[str, NDArray[Any]]:
+    """The same arrays with so many significant digits: the last bits differ between processors, a figure's bytes must not."""
+    return {name: _rounded(np.asarray(values), digits) for name, values in arrays.items()}
+
+
+def _rounded(values: NDArray[Any], digits: int) -> NDArray[Any]:
+    if values.dtype.kind != "f":
+        return values
+    flat = [float(f"{v:.{digits - 1}e}") for v in values.ravel()]
+    return np.array(flat).reshape(values.shape)

@@ -1,0 +1,50 @@
+"""Computes what the figure `area` shows: the area of a microsurface from closed forms, and by quadrature as a check."""
+
+import sys
+from functools import cache
+
+import numpy as np
+from microfacet.datafile import rounded, store
+from microfacet.directions import spherical
+from microfacet.geometry import beckmann, ggx
+from microfacet.geometry.beckmann import Beckmann
+from microfacet.geometry.ggx import GGX
+from microfacet.validation.equations import ABOVE
+from microfacet.validation.quadrature import seen_batch
+from microfacet.visibility.masking import nothing
+
+CHECKED = np.linspace(0.1, 1.0, 10)
+SHOWN = 0.5
+
+
+@cache
+def facets(normals):
+    """The integrand D; from straight above, all facets are seen."""
+
+    def facets(view, ox, oy, oz, mx, my, mz, p):
+        return normals(mx, my, mz, p), 0.0, 0.0
+
+    return facets
+
+
+def measured(ndf) -> tuple[float, float]:
+    """Area by quadrature, and its difference from a coarser rule."""
+    sums = seen_batch(nothing, facets(type(ndf).kernel))([ABOVE], (ndf.parameters, ndf.scale))
+    return sums[0], abs(sums[0] - sums[3])
+
+
+def compute() -> dict:
+    alpha, theta = np.linspace(0.01, 0.999, 150), np.linspace(0, np.pi / 2, 181)
+    data = {"alpha": alpha, "checked": CHECKED, "theta": np.degrees(theta), "shown": SHOWN}
+    for name, module, family in (("beckmann", beckmann, Beckmann), ("ggx", ggx, GGX)):
+        found = np.array([measured(family(a)) for a in CHECKED])
+        data[name] = module.area.kernel(alpha)
+        data[f"{name}_checked"] = found[:, 0]
+        apart = np.abs(found[:-1, 0] / np.array([float(module.area.exact(a)) for a in CHECKED[:-1]]) - 1)
+        data[f"{name}_apart"] = 10.0 ** np.ceil(np.log10(apart.max() + 1e-13))
+        data[f"{name}_density"] = 2 * np.pi * np.sin(theta) * family(SHOWN).D(spherical(theta)) * np.pi / 180
+    return rounded(data)
+
+
+if __name__ == "__main__":
+    store(sys.argv[1], **compute())

@@ -1,0 +1,46 @@
+"""Computes what the figure `distributions` shows: five distributions, what they project to, and how far that is from 1."""
+
+import sys
+
+import numpy as np
+from microfacet.datafile import rounded, store
+from microfacet.directions import spherical
+from microfacet.geometry.beckmann import Beckmann
+from microfacet.geometry.blinn_phong import BlinnPhong, NormalizedBlinnPhong
+from microfacet.geometry.ggx import GGX
+from microfacet.geometry.ward import Ward
+from microfacet.validation.equations import ABOVE, TOLERANCE, residuals
+from microfacet.validation.tables import decide
+from microfacet.visibility.v_cavity import VCavity
+
+FAMILIES = (BlinnPhong, NormalizedBlinnPhong, Ward, Beckmann, GGX)
+NAMES = ("Blinn-Phong", "Blinn-Phong, normalised", "Ward", "Beckmann", "GGX")
+SHOWN = 0.5
+FLOOR = 1e-11  # above the quadrature's error for every distribution here
+
+
+def exponent(alpha: float) -> float:
+    """The power of the cosine that is as rough as alpha, by the usual matching at small alpha."""
+    return float(2 / alpha**2 - 2)
+
+
+def compute() -> dict:
+    alpha = np.append(np.linspace(0.02, 0.8, 79), np.sqrt(1 / np.pi))
+    alpha = np.sort(alpha)
+    theta = np.linspace(0, np.pi / 2, 181)
+    density, integral, apart, verdict = [], [], [], []
+    for family in FAMILIES:
+        turned = exponent if issubclass(family, BlinnPhong) else float
+        found = [residuals(VCavity(family(turned(a))), ABOVE)["projected_area"] for a in alpha]
+        values, bounds = (np.array(part)[:, 0] for part in zip(*found, strict=True))
+        density.append(family(turned(SHOWN)).D(spherical(theta)))
+        integral.append(1 + values)
+        apart.append(np.where(np.abs(values) > FLOOR, np.abs(values), FLOOR))
+        verdict.append(decide(values, bounds, TOLERANCE))
+    curves = {"density": np.array(density), "integral": np.array(integral), "apart": np.array(apart)}
+    axes = {"alpha": alpha, "theta": np.degrees(theta), "shown": SHOWN, "floor": FLOOR}
+    return rounded({**axes, **curves, "names": NAMES, "verdict": verdict})
+
+
+if __name__ == "__main__":
+    store(sys.argv[1], **compute())
