@@ -89,7 +89,7 @@ with sp.evaluate(False):
         symbol=sp.Function("Lambda_GGX")(a),
         means=sp.Integral((q - a) / (2 * (1 + q**2) ** sp.Rational(3, 2)), (q, a, sp.oo)) / a,
         equals=(-1 + sp.sqrt(1 + 1 / a**2)) / 2,
-        computed_as=1 / (2 * a**2 * (1 + sp.sqrt(1 + 1 / a**2))),
+        computed_as=1 / (2 * a * (a + sp.sqrt(1 + a**2))),
         over={a: (1e-8, 1e8)},
         slides=(58, 62, 63),
         cite="heitz2014, eq. 72",
