@@ -62,20 +62,20 @@ def _joined(patches: Iterator[Patch]) -> Patch:
     return Patch(*map(np.concatenate, zip(*patches, strict=True)))
 
 
-def turned_to(wo: np.ndarray, count: int = 160) -> Patch:
+def turned_to(wo: np.ndarray, count: int = 64) -> Patch:
     """The normals above the horizon with wo.wm > 0."""
     theta = np.arctan2(np.hypot(wo[0], wo[1]), wo[2])
     edges = [0.0, *([theta] if 0 < theta < np.pi / 2 - theta else []), np.pi / 2 - theta, np.pi / 2]
     return _joined(_patch(wo, a, b, count) for a, b in pairwise(edges) if b > a)
 
 
-def turned_away(wo: np.ndarray, count: int = 160) -> Patch:
+def turned_away(wo: np.ndarray, count: int = 64) -> Patch:
     """The normals above the horizon with wo.wm < 0."""
     theta = np.arctan2(np.hypot(wo[0], wo[1]), wo[2])
     return _patch(wo, np.pi / 2, np.pi / 2 + theta, count)
 
 
-def reflected(wo: np.ndarray, density: Callable[[np.ndarray], np.ndarray], count: int = 160) -> float:
+def reflected(wo: np.ndarray, density: Callable[[np.ndarray], np.ndarray], count: int = 64) -> float:
     """The integral over the whole sphere of a density of light directions that is 0 where no facet joins them to wo.
 
     In polar coordinates around wo light has twice the half vector's angle: sin(2 gamma) d(2 gamma) = 4 cos gamma sin gamma.
@@ -86,7 +86,7 @@ def reflected(wo: np.ndarray, density: Callable[[np.ndarray], np.ndarray], count
     return float(np.sum(weights * 4 * cosine * density(wi)))
 
 
-def whole_hemisphere(scale: float, count: int = 200, turns: int = 1024) -> Patch:
+def whole_hemisphere(scale: float, count: int = 100, turns: int = 400) -> Patch:
     """All normals above the horizon: the tangent of the polar angle mapped by its scale, azimuth evenly spaced."""
     t, w = gauss(count)
     theta = np.arctan(scale * np.tan(t * np.pi / 2))

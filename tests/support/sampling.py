@@ -27,7 +27,10 @@ def density_times_area(sample: Sampler, density: Density, u: np.ndarray, step: f
 
 
 class SlopeCells:
-    """Cells over normals: arctangents of the unstretched slopes along the view and across, up to the edge of visibility."""
+    """Cells over normals: unstretched slopes q along the view, up to the edge of visibility, and r across.
+
+    Cells are even in atan q and in atan(r/sqrt(1 + q^2)), in which the tails of GGX are smooth.
+    """
 
     def __init__(self, wo: np.ndarray, scale: tuple[float, float], count: int = 24) -> None:
         self.scale, self.count = np.asarray(scale), count
@@ -37,26 +40,25 @@ class SlopeCells:
         edge = np.arctan2(wo[2], length)
         self.edges = np.linspace(-np.pi / 2, edge, count + 1), np.linspace(-np.pi / 2, np.pi / 2, count + 1)
 
-    def _coordinates(self, m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        slopes = -m[:, :2] / m[:, 2:] / self.scale
-        c, s = self.along
-        return np.arctan(c * slopes[:, 0] + s * slopes[:, 1]), np.arctan(c * slopes[:, 1] - s * slopes[:, 0])
-
     def counts(self, m: np.ndarray) -> np.ndarray:
-        return np.histogram2d(*self._coordinates(m.astype(np.float64)), bins=self.edges)[0]
+        m = m.astype(np.float64)
+        x, y = -m[:, 0] / m[:, 2] / self.scale[0], -m[:, 1] / m[:, 2] / self.scale[1]
+        c, s = self.along
+        q, r = c * x + s * y, c * y - s * x
+        return np.histogram2d(np.arctan(q), np.arctan(r / np.sqrt(1 + q * q)), bins=self.edges)[0]
 
-    def shares(self, density: Density, nodes: int = 8) -> np.ndarray:
+    def shares(self, density: Density, nodes: int = 6) -> np.ndarray:
         """The density's integral over each cell."""
         t, w = gauss(nodes)
         points = [(e[:-1, None] + np.diff(e)[:, None] * t).ravel() for e in self.edges]
         weights = [(np.diff(e)[:, None] * w).ravel() for e in self.edges]
-        along, across = np.meshgrid(*map(np.tan, points), indexing="ij")
+        q, turn = np.meshgrid(*map(np.tan, points), indexing="ij")
+        r = turn * np.sqrt(1 + q * q)
         c, s = self.along
-        x, y = self.scale[0] * (c * along - s * across), self.scale[1] * (s * along + c * across)
+        x, y = self.scale[0] * (c * q - s * r), self.scale[1] * (s * q + c * r)
         z = 1 / np.sqrt(1 + x * x + y * y)
-        m = np.stack([-x * z, -y * z, z], axis=-1)
-        area = self.scale.prod() * (1 + along**2) * (1 + across**2) * z**3
-        values = density(m) * area * np.outer(*weights)
+        area = self.scale.prod() * (1 + q**2) ** 1.5 * (1 + turn**2) * z**3
+        values = density(np.stack([-x * z, -y * z, z], axis=-1)) * area * np.outer(*weights)
         return values.reshape(self.count, nodes, self.count, nodes).sum(axis=(1, 3))
 
 
@@ -74,10 +76,14 @@ def chance(counts: np.ndarray, expected: np.ndarray, least: float = 10.0) -> flo
 
 
 def agreement(normals: np.ndarray, density: Density, wo: np.ndarray, scale: tuple[float, float]) -> float:
-    """The smallest p-value of both axes and of all cells together, times three for having looked three times."""
+    """The smallest p-value of both axes and of all cells together, times three for having looked three times.
+
+    0 if the density lacks a part, or has one where no normal was drawn.
+    """
     cells = SlopeCells(wo, scale)
     counts, expected = cells.counts(normals), len(normals) * cells.shares(density)
-    np.testing.assert_allclose(expected.sum(), len(normals), rtol=2e-5)  # cells are integrated finely enough
+    if abs(expected.sum() / len(normals) - 1) > 1e-3:
+        return 0.0
     assert counts.sum() == len(normals), "normals that the viewer cannot see"
     looks = [(counts, expected), (counts.sum(0), expected.sum(0)), (counts.sum(1), expected.sum(1))]
     return min(1.0, 3 * min(chance(*look) for look in looks))
