@@ -20,10 +20,10 @@ Sources: beckmann1963 (Gaussian surfaces and their slopes), lagae2009 (Gabor noi
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any, cast
 
 import numba
 import numpy as np
@@ -35,8 +35,8 @@ from microfacet.kernels import threads
 
 Array = NDArray[np.float64]
 PERIODS = 6.0  # correlation lengths in a period, at least: its ends are then independent to exp(-36)
-REACH = 6.0  # a Gabor kernel ends at so many standard deviations, where it is 2e-8 of its maximum
-BAND = 64  # rows of the grid that a thread fills at once
+REACH = 5.0  # a Gabor kernel ends at so many standard deviations, where it is 4e-6 of its maximum
+BAND = 128  # rows of the grid that a thread fills at once
 
 
 @dataclass(frozen=True)
@@ -153,43 +153,55 @@ class GaussianField:
         kernels[:, 4] = rng.uniform(0, 2 * math.pi, count)
         kernels = kernels[np.argsort(kernels[:, 0], kind="stable")]
         heights = np.zeros((self.size, self.size))
+        nodes = [min(2 * math.ceil(REACH * w) + 1, self.size) for w in envelope]
+        jobs: list[tuple[Any, ...]]
+        jobs = [
+            (heights, first, min(first + BAND, self.size), kernels, *envelope, *(np.empty((2, w)) for w in nodes))
+            for first in range(0, self.size, BAND)
+        ]
         with ThreadPoolExecutor(threads()) as pool:
-            for done in [pool.submit(_splat, heights, *band, kernels, *envelope) for band in self._bands()]:
+            for done in [pool.submit(_splat, *job) for job in jobs]:
                 done.result()
         heights *= self.sigma * math.sqrt(2 * self.size**2 / (count * area))
         return heights
 
-    def _bands(self) -> Iterator[tuple[int, int]]:
-        return ((start, min(start + BAND, self.size)) for start in range(0, self.size, BAND))
+
+_bare = cast(Any, numba.njit)(nogil=True, cache=True, _nrt=False)  # no counting of references in the inner loops
 
 
-@numba.njit(nogil=True, cache=True)
-def _splat(z: Array, first: int, last: int, kernels: Array, sx: float, sy: float) -> None:  # pragma: no cover - compiled
+@_bare
+def _splat(
+    z: Array, first: int, last: int, kernels: Array, sx: float, sy: float, rows: Array, columns: Array
+) -> None:  # pragma: no cover - compiled
     """Add to the rows first..last-1 of z all kernels (x, y, frequency_x, frequency_y, phase), in their order."""
     n = z.shape[0]
-    even, odd = np.empty(n), np.empty(n)
-    half = min(math.ceil(REACH * sy), n // 2)
+    half_x, half_y = rows.shape[1] // 2, columns.shape[1] // 2
     for k in range(kernels.shape[0]):
-        x, y, fx, fy, phase = kernels[k]
-        if _gap(x, first, last, n) > REACH * sx:
+        x, y = kernels[k, 0], kernels[k, 1]
+        if _gap(x, first, last, n) > half_x:
             continue
-        start = int(math.floor(y)) - half
-        count = min(2 * half + 1, n)
-        for b in range(count):
-            away = start + b - y
-            weight = math.exp(-0.5 * (away / sy) ** 2)
-            even[b] = weight * math.cos(fy * away)
-            odd[b] = weight * math.sin(fy * away)
-        for i in range(first, last):
-            away = i - x - n * math.floor((i - x) / n + 0.5)
-            if abs(away) > REACH * sx:
-                continue
-            weight = math.exp(-0.5 * (away / sx) ** 2)
-            c, s = weight * math.cos(fx * away + phase), weight * math.sin(fx * away + phase)
-            _add_row(z[i], start % n, count, even, odd, c, s)
+        i0, j0 = math.floor(x) - half_x, math.floor(y) - half_y
+        _wave(rows, i0 - x, sx, kernels[k, 2], kernels[k, 4])
+        _wave(columns, j0 - y, sy, kernels[k, 3], 0.0)
+        for a in range(rows.shape[1]):
+            i = (i0 + a) % n
+            if first <= i < last:
+                _add_row(z, i, j0 % n, columns, rows[0, a], rows[1, a])
 
 
-@numba.njit(nogil=True, cache=True, inline="always")
+@_bare
+def _wave(wave: Array, away: float, s: float, f: float, phase: float) -> None:  # pragma: no cover - compiled
+    """exp(-r^2/(2 s^2)) times cos and sin of f r + phase at r = away, away + 1, ...: each value from the one before it."""
+    value = math.exp(-0.5 * (away / s) ** 2) * complex(math.cos(f * away + phase), math.sin(f * away + phase))
+    step = math.exp(-(away + 0.5) / s**2) * complex(math.cos(f), math.sin(f))
+    change = math.exp(-1 / s**2)
+    for b in range(wave.shape[1]):
+        wave[0, b], wave[1, b] = value.real, value.imag
+        value *= step
+        step *= change
+
+
+@_bare
 def _gap(x: float, first: int, last: int, n: int) -> float:  # pragma: no cover - compiled
     """Least distance on a circle of length n from x to the whole numbers first..last-1."""
     if first <= x <= last - 1:
@@ -197,14 +209,12 @@ def _gap(x: float, first: int, last: int, n: int) -> float:  # pragma: no cover 
     return min((first - x) % n, (x - (last - 1)) % n)
 
 
-@numba.njit(nogil=True, cache=True, fastmath={"contract"})
-def _add_row(
-    row: Array, start: int, count: int, even: Array, odd: Array, c: float, s: float
-) -> None:  # pragma: no cover - compiled
-    """Add c even - s odd to count nodes of a periodic row, from start on."""
-    n = row.shape[0]
+@_bare
+def _add_row(z: Array, i: int, start: int, wave: Array, c: float, s: float) -> None:  # pragma: no cover - compiled
+    """Add the real part of (c + i s) times a wave to row i, from the column `start` on; the row is periodic."""
+    count, n = wave.shape[1], z.shape[1]
     before = min(count, n - start)
     for b in range(before):
-        row[start + b] += c * even[b] - s * odd[b]
+        z[i, start + b] += c * wave[0, b] - s * wave[1, b]
     for b in range(before, count):
-        row[start + b - n] += c * even[b] - s * odd[b]
+        z[i, start + b - n] += c * wave[0, b] - s * wave[1, b]
