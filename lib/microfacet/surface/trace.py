@@ -26,8 +26,8 @@ from __future__ import annotations
 
 import math
 from concurrent.futures import ThreadPoolExecutor
-from functools import cached_property
-from typing import Any, NamedTuple
+from functools import cached_property, partial
+from typing import Any, NamedTuple, NoReturn, cast
 
 import numba
 import numpy as np
@@ -56,11 +56,14 @@ CHUNK = 16384  # rays that a thread takes at once
 SORT = 1 << 21  # rays that are put into order at once
 TILE = 5  # rays are sorted by tiles of 2^TILE cells a side ...
 SMALL = 512  # ... unless the whole grid is no larger than this and fits the cache anyway
+TINY = 1e-50
 LARGEST = 1e290  # stands for 1/0
 SLACK = 1e-6  # of a block's own height and slope, and a tenth of it in cells: how much planes are rounded up
 
-_jit = numba.njit(nogil=True, cache=True, error_model="numpy")
-_contracted = numba.njit(nogil=True, cache=True, error_model="numpy", fastmath={"contract"})
+_njit: Any = partial(cast(Any, numba.njit), nogil=True, cache=True, error_model="numpy")
+_jit = _njit()
+_bare = _njit(_nrt=False)  # no counting of references: it would cost more than the walk itself
+_lanes = _njit(_nrt=False, fastmath={"contract"})
 
 
 class Hits(NamedTuple):
@@ -109,12 +112,13 @@ class HeightField:
                 part = slice(first, min(first + SORT, len(o)))
                 order = self._order(o[part], d[part])
                 rays = (o[part], d[part], own[part] if len(own) else own, order, facet[part], distance[part])
-                starts = range(0, part.stop - first, CHUNK)
-                for done in [pool.submit(_trace, *field, *rays, k, min(k + CHUNK, part.stop - first)) for k in starts]:
+                count = part.stop - first
+                jobs: list[tuple[Any, ...]]
+                jobs = [(*field, *rays, k, min(k + CHUNK, count), *_memory()) for k in range(0, count, CHUNK)]
+                for done in [pool.submit(_trace, *job) for job in jobs]:
                     done.result()
-        if (facet == ASTRAY).any():
-            at = int(np.argmax(facet == ASTRAY))
-            raise ValueError(f"facets must hold the origins: facet {own[at]} does not hold {o[at]} of ray {at}")
+        if len(facet) and facet.min() == ASTRAY:
+            self._refuse(int(np.argmin(facet)), o, d, own)
         return Hits(facet, distance)
 
     def escapes(self, origins: ArrayLike, directions: ArrayLike, facets: ArrayLike | None = None) -> NDArray[np.bool_]:
@@ -123,17 +127,21 @@ class HeightField:
         return left
 
     def _rays(self, origins: ArrayLike, directions: ArrayLike) -> tuple[Array, Array]:
-        o, d = as_vectors("origins", origins), as_vectors("directions", directions)
-        try:
-            shape = np.broadcast_shapes(o.shape, d.shape, (1, 3))
-        except ValueError:
-            shape = ()
-        if len(shape) != 2:
-            raise ValueError(f"origins and directions must have shape (N, 3) or (3,), got {o.shape} and {d.shape}")
-        still = ~d.any(axis=-1)
-        if still.any():
-            raise ValueError(f"directions must not be 0, got {d.reshape(-1, 3)[np.argmax(still)]} at index {np.argmax(still)}")
-        return (np.ascontiguousarray(np.broadcast_to(a, shape), np.float64) for a in (o, d))  # type: ignore[return-value]
+        given = np.asarray(origins, np.float64), np.asarray(directions, np.float64)
+        if any(a.ndim not in (1, 2) or a.shape[-1] != 3 for a in given) or len({len(a) for a in given if a.ndim == 2}) > 1:
+            raise ValueError(f"origins and directions must have shape (N, 3) or (3,), got {given[0].shape}, {given[1].shape}")
+        shape = (max(len(a) if a.ndim == 2 else 1 for a in given), 3)
+        o, d = (np.ascontiguousarray(np.broadcast_to(a, shape)) for a in given)
+        return o, d
+
+    def _refuse(self, at: int, o: Array, d: Array, own: Integers) -> NoReturn:
+        """Say what is wrong with a ray that could not be traced."""
+        as_vectors("origins", o), as_vectors("directions", d)
+        if abs(o[at]).max() > REACH:
+            raise ValueError(f"origins must lie within {REACH:g} cells, got {o[at]} at index {at}")
+        if not TINY < abs(d[at]).max() < 1 / TINY:
+            raise ValueError(f"directions must have a length between {TINY:g} and {1 / TINY:g}, got {d[at]} at index {at}")
+        raise ValueError(f"facets must hold the origins: facet {own[at]} does not hold {o[at]} of ray {at}")
 
     def _own(self, facets: ArrayLike | None, count: int) -> Integers:
         if facets is None:
@@ -263,8 +271,8 @@ def _by_tile(o: Array, d: Array, highest: float, size: int) -> Integers:  # prag
     count = np.zeros(tiles * tiles + 1, np.int64)
     for k in range(len(o)):
         t = max((highest - o[k, 2]) / d[k, 2], 0.0) if o[k, 2] > highest and d[k, 2] < 0 else 0.0
-        i = int(math.floor(o[k, 0] + t * d[k, 0])) & (size - 1)
-        j = int(math.floor(o[k, 1] + t * d[k, 1])) & (size - 1)
+        i = math.floor(o[k, 0] + t * d[k, 0]) & (size - 1)
+        j = math.floor(o[k, 1] + t * d[k, 1]) & (size - 1)
         key[k] = (i >> TILE) * tiles + (j >> TILE)
         count[key[k] + 1] += 1
     for k in range(tiles * tiles):
@@ -305,11 +313,11 @@ def _load(kind: str) -> Any:
     return typed
 
 
-_look = intrinsic(_load("alias.scope"))  # _look(table, index): an entry of a table
-_get = intrinsic(_load("noalias"))  # _get(state, index): an entry of a lane
+_look = cast(Any, intrinsic)(_load("alias.scope"))  # _look(table, index): an entry of a table
+_get = cast(Any, intrinsic)(_load("noalias"))  # _get(state, index): an entry of a lane
 
 
-@intrinsic
+@cast(Any, intrinsic)
 def _put(context: Any, array: Any, index: Any, value: Any) -> Any:
     """_put(state, index, value): change an entry of a lane."""
 
@@ -322,7 +330,7 @@ def _put(context: Any, array: Any, index: Any, value: Any) -> Any:
     return types.void(array, index, value), generate
 
 
-@_contracted
+@_lanes
 def _pass_blocks(s: Array, q: Integers, planes: Singles, mask: int, top: int, highest: float) -> None:  # pragma: no cover
     """One step of every lane: over its block to the next one, or, where its plane is met, to there and into the block."""
     for k in range(LANES):
@@ -367,17 +375,34 @@ def _pass_blocks(s: Array, q: Integers, planes: Singles, mask: int, top: int, hi
         _put(q, SIZE + k, new if live else old)
 
 
-@_jit
+@_bare
+def _fetch(
+    fetched: Array, starts: Integers, o: Array, d: Array, own: Integers, order: Integers, first: int, last: int
+) -> None:  # pragma: no cover
+    """Copy up to LANES rays next to each other: many reads of distant memory at once cost little more than one."""
+    for k in range(min(last - first, LANES)):
+        ray = order[first + k] if len(order) else first + k
+        starts[k] = own[ray] if len(own) else -1
+        for axis in range(3):
+            fetched[6 * k + axis], fetched[6 * k + 3 + axis] = o[ray, axis], d[ray, axis]
+
+
+@_bare
 def _enter(
-    s: Array, q: Integers, k: int, o: Array, d: Array, ray: int, own: int, mask: int, top: int, highest: float
+    s: Array, q: Integers, k: int, fetched: Array, at: int, own: int, mask: int, top: int, highest: float
 ) -> bool:  # pragma: no cover
-    """Put a ray into lane k; False if its facet does not hold its origin."""
-    x, y, z, dx, dy, dz = o[ray, 0], o[ray, 1], o[ray, 2], d[ray, 0], d[ray, 1], d[ray, 2]
+    """Put a ray into lane k; False if it is none, or if its facet does not hold its origin."""
+    x, y, z = fetched[6 * at], fetched[6 * at + 1], fetched[6 * at + 2]
+    dx, dy, dz = fetched[6 * at + 3], fetched[6 * at + 4], fetched[6 * at + 5]
     mx, my = -1 if dx < 0 else 0, -1 if dy < 0 else 0
     sx, sy = 1.0 + 2.0 * mx, 1.0 + 2.0 * my
-    x, dx, y, dy = sx * x, sx * dx, sy * y, sy * dy
+    x, dx, y, dy = sx * x, abs(dx), sy * y, abs(dy)
+    length = max(dx, dy, abs(dz))
+    finite = x + y + z + dx + dy + dz
+    if not (finite == finite and max(abs(x), abs(y), abs(z)) <= REACH and TINY < length < 1 / TINY):
+        return False
     t = max((highest - z) / dz, 0.0) if z > highest and dz < 0 else 0.0
-    cx, cy = int(math.floor(x + t * dx)), int(math.floor(y + t * dy))
+    cx, cy = math.floor(x + t * dx), math.floor(y + t * dy)
     side = -1
     if own >= 0:
         t, side = 0.0, (own & 1) ^ (1 + mx)
@@ -392,13 +417,13 @@ def _enter(
     return own < 0 or (abs(x - cx - 0.5) <= 0.5 + 1e-6 and abs(y - cy - 0.5) <= 0.5 + 1e-6)
 
 
-@_jit
+@_bare
 def _near(cell: int, x: float, n: int) -> int:  # pragma: no cover
     """The repetition of a cell that is nearest to x."""
-    return cell + n * int(math.floor((x - cell - 0.5) / n + 0.5))
+    return cell + n * math.floor((x - cell - 0.5) / n + 0.5)
 
 
-@_jit
+@_bare
 def _walk(s: Array, q: Integers, k: int, z: Singles, planes: Singles, mask: int) -> tuple[int, float]:  # pragma: no cover
     """Lane k through the cells of its smallest block: the facet and distance of a hit, or UNDECIDED.
 
@@ -450,7 +475,7 @@ def _walk(s: Array, q: Integers, k: int, z: Singles, planes: Singles, mask: int)
     return UNDECIDED, t
 
 
-@_jit
+@_bare
 def _clear(s: Array, q: Integers, k: int, planes: Singles, mask: int) -> float:  # pragma: no cover
     """The distance from which on lane k is above the plane of its smallest block, if it rises against it."""
     cx, cy, last = q[CX + k] >> BASE, q[CY + k] >> BASE, mask >> BASE
@@ -462,20 +487,22 @@ def _clear(s: Array, q: Integers, k: int, planes: Singles, mask: int) -> float: 
     return -gap / rate if rate > 0 else LARGEST
 
 
-@_jit
-def _corners(z: Singles, cx: int, cy: int, mx: int, my: int, mask: int) -> tuple[float, float, float, float]:  # pragma: no cover
+@_bare
+def _corners(
+    z: Singles, cx: int, cy: int, mx: int, my: int, mask: int
+) -> tuple[float, float, float, float]:  # pragma: no cover
     """Heights at (u, v) = (0, 0), (1, 0), (0, 1), (1, 1)."""
     i0, i1 = np.uint64(((cx ^ mx) - mx) & mask), np.uint64(((cx ^ mx) + 1 + mx) & mask)
     j0, j1 = np.uint64(((cy ^ my) - my) & mask), np.uint64(((cy ^ my) + 1 + my) & mask)
     return np.float64(z[i0, j0]), np.float64(z[i1, j0]), np.float64(z[i0, j1]), np.float64(z[i1, j1])
 
 
-@_jit
+@_bare
 def _number(cx: int, cy: int, mx: int, my: int, side: int, mask: int) -> int:  # pragma: no cover
     return 2 * (((cx ^ mx) & mask) * (mask + 1) + ((cy ^ my) & mask)) + (side ^ (1 + mx))
 
 
-@_jit
+@_bare
 def _sinks(
     dx: float, dy: float, dz: float, side: int, flip: bool, z00: float, z10: float, z01: float, z11: float
 ) -> bool:  # pragma: no cover
@@ -484,16 +511,14 @@ def _sinks(
     return dz - b * dx - c * dy <= 0
 
 
-@_jit
-def _slopes(
-    side: int, flip: bool, z00: float, z10: float, z01: float, z11: float
-) -> tuple[float, float]:  # pragma: no cover
+@_bare
+def _slopes(side: int, flip: bool, z00: float, z10: float, z01: float, z11: float) -> tuple[float, float]:  # pragma: no cover
     b = z10 - z00 if (side == 0) == flip else z11 - z01
     c = z11 - z10 if side == 1 else z01 - z00
     return b, c
 
 
-@_jit
+@_bare
 def _meet(
     x: float,
     y: float,
@@ -514,7 +539,7 @@ def _meet(
     return -(z - base - b * x - c * y) / (dz - b * dx - c * dy)
 
 
-@_jit
+@_bare
 def _trace(
     z: Singles,
     planes: Singles,
@@ -529,53 +554,71 @@ def _trace(
     distance: Array,
     first: int,
     last: int,
+    s: Array,
+    q: Integers,
+    ready: Integers,
+    fetched: Array,
+    starts: Integers,
+    found: Integers,
+    far: Array,
 ) -> None:  # pragma: no cover
     """The rays first..last-1 of the order, in lanes that are filled again as soon as they are done."""
-    s, q = np.ones(12 * LANES), np.zeros(7 * LANES, np.int64)
-    ready = np.arange(LANES)
-    waiting = LANES
-    left = last - first
     for k in range(LANES):
-        q[SIZE + k], q[RAY + k] = IDLE, -1
-    following = first
+        ready[k] = k
+        q[CX + k], q[CY + k], q[MX + k], q[MY + k], q[SIZE + k], q[RAY + k] = 0, 0, 0, 0, IDLE, -1
+    waiting, following, left = LANES, 0, last - first
     while left > 0:
         for at in range(waiting):
             k = ready[at]
-            done = _decide(s, q, k, z, planes, mask, highest, facet, distance)
-            left -= int(done and q[RAY + k] >= 0)
-            while done and following < last:
-                ray = order[following] if len(order) else following
-                following += 1
-                q[RAY + k] = ray
-                done = not _enter(s, q, k, o, d, ray, own[ray] if len(own) else -1, mask, top, highest)
-                if done:
-                    facet[ray], distance[ray] = ASTRAY, math.inf
+            free = _decide(s, q, k, z, planes, mask, highest, found, far)
+            left -= int(free and q[RAY + k] >= 0)
+            while free and following < last - first:
+                place = following % LANES
+                if place == 0:
+                    _fetch(fetched, starts, o, d, own, order, first + following, last)
+                q[RAY + k] = following
+                free = not _enter(s, q, k, fetched, place, starts[place], mask, top, highest)
+                if free:
+                    found[following], far[following] = ASTRAY, math.inf
                     left -= 1
-            if done:
+                following += 1
+            if free:
                 q[SIZE + k], q[RAY + k] = IDLE, -1
         _pass_blocks(s, q, planes, mask, top, highest)
         waiting = _leaving(q, ready)
+    _return(facet, distance, found, far, order, first, last)
 
 
-@_jit
+@_bare
+def _return(
+    facet: Integers, distance: Array, found: Integers, far: Array, order: Integers, first: int, last: int
+) -> None:  # pragma: no cover
+    """Hand results back to where their rays came from."""
+    for k in range(last - first):
+        ray = order[first + k] if len(order) else first + k
+        facet[ray], distance[ray] = found[k], far[k]
+
+
+@_bare
 def _decide(
-    s: Array, q: Integers, k: int, z: Singles, planes: Singles, mask: int, highest: float, facet: Integers, distance: Array
+    s: Array, q: Integers, k: int, z: Singles, planes: Singles, mask: int, highest: float, found: Integers, far: Array
 ) -> bool:  # pragma: no cover
     """Whether lane k is free; if its ray has just been decided, the result is written."""
     if q[SIZE + k] == IDLE:
         return True
+    ray = q[RAY + k]
     if q[SIZE + k] == GONE:
         above = s[DZ + k] >= 0 and s[OZ + k] + s[T + k] * s[DZ + k] > highest
-        facet[q[RAY + k]], distance[q[RAY + k]] = ESCAPED if above else LOST, math.inf
+        found[ray], far[ray] = ESCAPED if above else LOST, math.inf
         return True
     met, t = _walk(s, q, k, z, planes, mask)
     if met == UNDECIDED:
         return False
-    facet[q[RAY + k]], distance[q[RAY + k]] = met, t
+    found[ray], far[ray] = met, t
     return True
 
 
-@_jit
+@_bare
 def _leaving(q: Integers, ready: Integers) -> int:  # pragma: no cover
     """Puts the lanes that have left the blocks in front; their number."""
     count = 0
@@ -583,3 +626,16 @@ def _leaving(q: Integers, ready: Integers) -> int:  # pragma: no cover
         ready[count] = k
         count += int((q[SIZE + k] < BASE) & (q[SIZE + k] != IDLE))
     return count
+
+
+def _memory() -> tuple[Any, ...]:
+    """Memory for `_trace`: the lanes' state, the lanes that are ready, the next rays, their facets, the results."""
+    return (
+        np.ones(12 * LANES),
+        np.zeros(7 * LANES, np.int64),
+        np.zeros(LANES, np.int64),
+        np.empty(6 * LANES),
+        np.empty(LANES, np.int64),
+        np.empty(CHUNK, np.int64),
+        np.empty(CHUNK),
+    )

@@ -1,0 +1,79 @@
+"""Rays per second and false verdicts, here and in Embree on the same triangles, in one run. Needs embreex; not a test.
+
+    python tests/surface/against_embree.py [nodes per side ...]
+
+One thread each (embreex has no more); the two take turns, and the best of some runs counts, in processor time: use the
+ratios. "Sorted" rays come tile by tile. False verdicts: facets that are seen but do not see back.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Callable
+
+os.environ.update(MICROFACET_THREADS="1", OPENBLAS_NUM_THREADS="1")
+
+import numpy as np
+from embreex.mesh_construction import TriangleMesh
+from embreex.rtcore_scene import EmbreeScene
+from microfacet.directions import spherical
+from microfacet.surface.gaussian import GaussianField
+from microfacet.surface.trace import HeightField
+
+RAYS, RUNS = 1_000_000, 5
+
+
+def embree(field: HeightField) -> EmbreeScene:
+    """One period and what rays can reach beyond it, as Embree knows no other."""
+    n, margin = field.size, 256
+    z = np.pad(field.heights, margin, mode="wrap")
+    i, j = np.meshgrid(*2 * [np.arange(-margin, n + margin)], indexing="ij")
+    nodes = np.stack([i, j, z], axis=-1).reshape(-1, 3).astype(np.float32)
+    corner = np.arange(nodes.shape[0]).reshape(z.shape)[:-1, :-1].ravel()
+    first = np.stack([corner, corner + len(z), corner + len(z) + 1], axis=-1)
+    second = np.stack([corner, corner + len(z) + 1, corner + 1], axis=-1)
+    scene = EmbreeScene()
+    TriangleMesh(scene, nodes, np.stack([first, second], axis=1).reshape(-1, 3).astype(np.int32))
+    return scene
+
+
+def best(works: list[Callable[[], object]]) -> list[float]:
+    """Million rays per second of each of some works, which take turns."""
+    seconds = [np.inf] * len(works)
+    for _ in range(RUNS):
+        for k, work in enumerate(works):
+            start = time.process_time()
+            work()
+            seconds[k] = min(seconds[k], time.process_time() - start)
+    return [RAYS / s / 1e6 for s in seconds]
+
+
+def main(size: int) -> None:
+    start = time.process_time()
+    field = HeightField(GaussianField(size, 0.7).spectral(0))
+    built = time.process_time() - start
+    rng, wo = np.random.default_rng(1), spherical(np.radians(60), 0.3)
+    origins = np.column_stack([rng.uniform(0, size, (RAYS, 2)), np.full(RAYS, field.highest)])
+    start = time.process_time()
+    scene = embree(field)
+    scene.run(origins[:1].astype(np.float32), -wo[None].astype(np.float32))
+    print(f"{size}^2: made and built in {built:.1f} s here, built in {time.process_time() - start:.1f} s by Embree")
+    tiles = np.lexsort((origins[:, 1] // 64, origins[:, 0] // 64))
+    for name, order in (("unsorted", slice(None)), ("sorted", tiles)):
+        o, d = origins[order], np.broadcast_to(-wo, (RAYS, 3)).copy()
+        hits = field.trace(o, d)
+        p, wm = field.points(o, d, hits.distance), field.normals(hits.facet)
+        mirrored = d - 2 * np.sum(d * wm, axis=-1, keepdims=True) * wm
+        for kind, a, b, own in (("primary", o, d, None), ("reflected", p, mirrored, hits.facet), ("shadow", p, -d, hits.facet)):
+            a4, b4 = a.astype(np.float32), b.astype(np.float32)
+            ours, theirs = best([lambda a=a, b=b, own=own: field.trace(a, b, own), lambda a4=a4, b4=b4: scene.run(a4, b4)])
+            print(f"  {name:9}{kind:10} {ours:6.2f} here {theirs:6.2f} Embree   ratio {ours / theirs:.1f}", flush=True)
+    ours = np.mean(~field.escapes(p, -d, hits.facet))
+    print(f"  false verdicts {ours:.2g} here {np.mean(scene.run(a4, b4) >= 0):.2g} Embree, without an offset", flush=True)
+
+
+if __name__ == "__main__":
+    for side in [int(word) for word in sys.argv[1:]] or [1024, 2048, 4096]:
+        main(side)
