@@ -12,7 +12,7 @@ from microfacet.validation.tables import decide
 from microfacet.visibility.v_cavity import VCavity
 
 ALPHAS = (0.6, 0.2)
-TRIED = np.linspace(0.05, 1.0, 20)
+TRIED = np.arange(1, 17) / 16
 RADIUS = np.linspace(0, 1, 81) ** 0.75
 PHI = np.linspace(0, 2 * np.pi, 145)
 

@@ -14,7 +14,7 @@ from microfacet.visibility.v_cavity import VCavity
 
 ALPHAS, FLOOR = (0.1, 0.6), 1e-11
 ROUGHNESS = (0.05, 0.1, 0.25, 0.5, 1.0)
-THETA, PHI = np.linspace(0, 88, 23), np.linspace(0, 90, 19)
+THETA, PHI = np.linspace(0, 88, 12), np.linspace(0, 90, 21)
 
 
 def mean_Lambda(x, y, z, p):

@@ -7,10 +7,14 @@ import os
 import runpy
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from microfacet import datafile, plotting
+
+pytestmark = pytest.mark.xdist_group("figures")  # one process: nothing is computed twice
 
 ROOT = Path(__file__).parents[2]
 ENVIRONMENT = os.environ | {"PYTHONPATH": str(ROOT / "lib")}
@@ -19,14 +23,14 @@ DRAWN = [p for p in SCRIPTS if "\ndef draw(" in p.read_text()]
 
 
 @pytest.fixture(scope="module")
-def data(tmp_path_factory: pytest.TempPathFactory) -> dict[Path, Path]:
+def data(tmp_path_factory: pytest.TempPathFactory, compute: Callable[[str], dict[str, Any]]) -> dict[Path, Path]:
     """Data files of all figures, made by their own scripts."""
     folder, made = tmp_path_factory.mktemp("data"), {}
     for script in DRAWN:
         maker = script.with_name(f"{script.stem}_data.py")
         if maker.exists():
             made[script] = folder / f"{script.stem}.npz"
-            datafile.store(str(made[script]), **runpy.run_path(str(maker))["compute"]())
+            datafile.store(str(made[script]), **compute(f"{script.parent.name}/{script.stem}"))
     return made
 
 
@@ -67,9 +71,7 @@ def test_bad_data_file_gives_one_sentence(tmp_path: Path, content: bytes | None,
     if content is not None:
         path.write_bytes(content)
     script = ROOT / "figures/visibility/masking.py"
-    run = subprocess.run(
-        [sys.executable, script, path, tmp_path / "a.svg"], capture_output=True, text=True, env=ENVIRONMENT
-    )
+    run = subprocess.run([sys.executable, script, path, tmp_path / "a.svg"], capture_output=True, text=True, env=ENVIRONMENT)
     assert run.returncode == 1
     assert run.stderr.count("\n") == 1
     for words in (str(path), says, "snakemake build/data/masking.npz"):
