@@ -3,8 +3,8 @@ r"""A BRDF may be nowhere negative, reciprocal and lossy enough, and yet belong 
 Left: what five models reflect in the plane of incidence, $\rho \cos\theta_o$ in 1/sr, of light from $60^\circ$ with
 $F = 1$; the dashed line is the mirror direction. Right: their albedos, by quadrature, below 1 at every angle. Below:
 the verdicts. All five are nowhere negative, reciprocal, and reflect no more than they receive; those with Kelemen's
-and the Implicit masking function fail the validation equations all the same, though Kelemen's lobe can hardly be told
-from Smith's. Roughness is $\alpha = 0.4$ throughout.
+and the Implicit masking function fail the validation equations all the same, though Kelemen's lobe looks much like
+Smith's. Roughness is $\alpha = 0.4$ throughout.
 """
 
 import sys
