@@ -67,7 +67,11 @@ class ByPrecision(float):
 def source(function: FunctionType) -> str:
     """The text of a kernel: generated functions carry it, written ones are looked up."""
     text = getattr(function, "__source__", None)
-    return text if text is not None else textwrap.dedent(inspect.getsource(function))
+    if text is None:
+        text = textwrap.dedent(inspect.getsource(function))
+        if not text.startswith(f"def {function.__name__}("):
+            raise RuntimeError(f"{inspect.getsourcefile(function)} has changed since it was imported: start again")
+    return str(text)
 
 
 def _bindings(function: FunctionType) -> dict[str, Any]:

@@ -135,14 +135,17 @@ def visible_pdf(normals: Callable[..., float], masking: Callable[..., float]) ->
 
 @cache
 def normals_pdf(density: Callable[..., float]) -> Batch:
-    """Density of mirror directions of normals sampled without regard to the viewer."""
+    """Density of mirror directions of normals sampled without regard to the viewer.
+
+    Facets turned away send theirs down, to where wo + wi points down: they count too, or the density would not sum to 1.
+    """
 
     def pdf(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
         hx, hy, hz = ox + ix, oy + iy, oz + iz
-        length = sqrt(hx * hx + hy * hy + hz * hz)
-        if not (oz > 0.0 and hz > 0.0 and length > 0.0):
+        if not (oz > 0.0 and abs(hz) > 0.0):
             return 0.0
-        z = hz / length
+        length = sqrt(hx * hx + hy * hy + hz * hz)
+        z = abs(hz) / length
         return density(-hx / hz, -hy / hz, p[0][0]) / (z * z * z) / (2.0 * length)
 
     return over_pairs(pdf)
@@ -247,7 +250,8 @@ class Microfacet:
 
     def sample(self, wo: Any, u: Any) -> Any:
         """Light directions with density `pdf`, shapes (..., 3) and (..., 2) -> (..., 3), by visible normals where the model
-        can sample them, otherwise by all normals. Some go below the horizon: their BRDF is 0, they count as lost."""
+        can sample them, otherwise by all normals. Some go below the horizon: their BRDF is 0, they count as lost. The zero
+        vector where wo is below the horizon."""
         wo, u = as_vectors("wo", wo), as_uniform("u", u)
         return _mirrored(self.model.sampler, type(self.model.ndf).sample_kernel)([wo, u], self.parameters)
 
@@ -278,6 +282,8 @@ def _mirrored(visible: Callable[..., Any] | None, slopes: Callable[..., Any]) ->
         sampler = visible
 
         def visible_mirror(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float]:
+            if not oz > 0.0:
+                return 0.0, 0.0, 0.0
             mx, my, mz = sampler(ox, oy, oz, u1, u2, p[0])
             twice = 2.0 * (ox * mx + oy * my + oz * mz)
             return twice * mx - ox, twice * my - oy, twice * mz - oz
@@ -285,6 +291,8 @@ def _mirrored(visible: Callable[..., Any] | None, slopes: Callable[..., Any]) ->
         return Batch(visible_mirror, [3, 2], 3)
 
     def mirror(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float]:
+        if not oz > 0.0:
+            return 0.0, 0.0, 0.0
         slope_x, slope_y = slopes(u1, u2, p[0][0])
         mz = 1.0 / sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
         twice = 2.0 * (oz - ox * slope_x - oy * slope_y) * mz

@@ -15,6 +15,7 @@ SQRT_PI = 1.7724538509055161
 LOWEST = -8.0  # slopes below have probability under 1e-28
 STEPS = 60
 CLOSE = ByPrecision(double=4e-16, single=2e-7)
+STRAIGHT = ByPrecision(double=1e-150, single=1e-18)  # below this sine its square loses digits, and azimuth has no effect
 
 
 def unstretched(x: float, y: float, z: float, alpha_x: float, alpha_y: float) -> tuple[float, float, float]:
@@ -77,8 +78,8 @@ def sample_beckmann(ox: float, oy: float, oz: float, u1: float, u2: float, p: An
     alpha_x, alpha_y = p[0]
     vx, vy, vz = unstretched(ox, oy, oz, alpha_x, alpha_y)
     vs = sqrt(vx * vx + vy * vy)
-    c = vx / vs if vs > 0.0 else 1.0
-    s = vy / vs if vs > 0.0 else 0.0
+    c = vx / vs if vs > STRAIGHT else 1.0
+    s = vy / vs if vs > STRAIGHT else 0.0
     along = visible_gaussian_slope(vs, vz, u1)
     across = visible_gaussian_slope(0.0, 1.0, u2)
     slope_x = alpha_x * (c * along - s * across)
