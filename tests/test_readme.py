@@ -1,0 +1,39 @@
+"""What the README promises: its code runs as printed, its commands exist, its picture is small."""
+
+from __future__ import annotations
+
+import doctest
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+TEXT = (ROOT / "README.md").read_text("utf-8")
+BLOCKS = re.findall(r"^```python\n(.*?)^```", TEXT, re.M | re.S)
+
+
+@pytest.mark.parametrize("block", BLOCKS, ids=["use", "add a distribution"])
+def test_code_runs_as_printed(block: str) -> None:
+    test = doctest.DocTestParser().get_doctest(block, {"__name__": "__main__"}, "README.md", "README.md", 0)
+    assert doctest.DocTestRunner().run(test).failed == 0
+
+
+def test_commands_exist() -> None:
+    makefile = (ROOT / "Makefile").read_text("utf-8")
+    assert all(re.search(rf"^{target}:", makefile, re.M) for target in re.findall(r"(?:^    |`)make (\w+)", TEXT, re.M))
+    scripts = re.findall(r"python (figures/\S+\.py)", TEXT)
+    assert len(scripts) == 2
+    assert all((ROOT / script).is_file() for script in scripts)
+
+
+def test_figures_named_exist() -> None:
+    targets = re.findall(r"bin/snakemake (\w+)", TEXT)
+    assert targets == ["masking", "slide_39"]
+    assert "39" in (ROOT / "figures/visibility/masking.py").read_text("utf-8").split("SLIDES = ")[1].splitlines()[0]
+
+
+def test_pictures_are_small() -> None:
+    pictures = re.findall(r"!\[[^\]]+\]\(([^)]+)\)", TEXT)
+    assert len(pictures) == 1
+    assert all(0 < (ROOT / picture).stat().st_size < 200_000 for picture in pictures)
