@@ -16,17 +16,33 @@ def spherical(theta: Any, phi: Any = 0.0) -> np.ndarray:
 
 def as_vectors(name: str, values: Any, width: int = 3) -> np.ndarray:
     """The argument as an array (..., width) of finite floats; anything else is a ValueError that names it."""
-    try:
-        array = np.asarray(values)
-        array = array if array.dtype in (np.float32, np.float64) else array.astype(np.float64)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name} must be an array of numbers of shape (..., {width}), got {values!r}") from None
+    array = _floats(name, values, f" of shape (..., {width})")
     if array.ndim == 0 or array.shape[-1] != width:
         raise ValueError(f"{name} must have shape (..., {width}), got shape {array.shape}")
+    return _finite(name, array)
+
+
+def as_numbers(name: str, values: Any) -> np.ndarray:
+    """The argument as an array of finite floats, of any shape."""
+    return _finite(name, _floats(name, values))
+
+
+def _floats(name: str, values: Any, shape: str = "") -> np.ndarray:
+    """Real numbers in single or double precision; text and complex numbers are none."""
+    try:
+        array = np.asarray(values)
+        if array.dtype.kind not in "biufO":
+            raise TypeError
+        return array if array.dtype in (np.float32, np.float64) else array.astype(np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be an array of numbers{shape}, got {values!r}") from None
+
+
+def _finite(name: str, array: np.ndarray) -> np.ndarray:
     flat = array.reshape(-1)
     if not math.isfinite(float(np.dot(flat, flat))) and not np.isfinite(array).all():
         at = tuple(int(k) for k in np.argwhere(~np.isfinite(array))[0])
-        raise ValueError(f"{name} must be finite, got {array[at]} at index {at}")
+        raise ValueError(f"{name} must be finite, got {array[at]}" + (f" at index {at}" if at else ""))
     return array
 
 

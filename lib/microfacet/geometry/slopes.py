@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 
 import sympy as sp
 
-from microfacet.directions import as_uniform, as_vectors
+from microfacet.directions import as_numbers, as_uniform, as_vectors
 from microfacet.kernels import Batch, Parameters
 from microfacet.notation import Direction, alpha_x, alpha_y, chi, raw, x, y
 from microfacet.statement import Equation
@@ -98,7 +98,8 @@ class Distribution:
 
     def P22(self, slope_x: Any, slope_y: Any) -> Any:
         """Density of slopes, per unit slope area; shapes broadcast. heitz2014, slope space."""
-        return _over_slopes(_slope_density(type(self).kernel))([slope_x, slope_y], self.parameters)
+        slopes = [as_numbers("slope_x", slope_x), as_numbers("slope_y", slope_y)]
+        return _over_slopes(_slope_density(type(self).kernel))(slopes, self.parameters)
 
     def sample(self, u: Any) -> Any:
         """Normals with density `pdf`, shapes (..., 2) -> (..., 3), for u in [0, 1)."""

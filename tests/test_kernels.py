@@ -1,0 +1,266 @@
+"""Kernels: the compiled loop is the Python function, in the precision asked for, once per text, over whatever broadcasts."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import subprocess
+import sys
+from math import erf, exp, sqrt
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import mutually_broadcastable_shapes
+from microfacet.arithmetic import exp_minus_square, exp_minus_squares, two_product, two_sum
+from microfacet.kernels import CHUNK, Batch, ByPrecision, cache_directory, packed, source
+
+pytestmark = pytest.mark.xdist_group("kernels")
+
+HALF = 0.5
+TABLE = (0.1, 0.2, 0.3)
+PRECISE = ByPrecision(double=1.0, single=2.0)
+
+
+def helper(x: float) -> float:
+    return HALF * x + TABLE[1]
+
+
+def kernel(x: float, y: float, z: float, s: float, p: Any) -> float:
+    return helper(x) * exp(-y * y) + sqrt(abs(z)) * p[0] + erf(s) * 0.1
+
+
+def length(x: float, y: float, z: float, p: Any) -> tuple[float, float]:
+    """Two results."""
+    size: float = sqrt(x * x + y * y + z * z)
+    return size, PRECISE
+
+
+MANY = Batch(kernel, [3, 1])
+TWO = Batch(length, [3], 2)
+
+
+def python(rows: np.ndarray, s: np.ndarray, p: tuple[float, ...]) -> np.ndarray:
+    return np.array([kernel(*row, value, p) for row, value in zip(rows, s, strict=True)])
+
+
+def arguments(count: int, real: type = np.float64) -> tuple[np.ndarray, np.ndarray]:
+    random = np.random.default_rng(count)
+    return random.normal(size=(count, 3)).astype(real), random.normal(size=count).astype(real)
+
+
+def test_loop_is_the_python_function() -> None:
+    rows, s = arguments(200)
+    np.testing.assert_allclose(MANY([rows, s], (0.3,)), python(rows, s, (0.3,)), rtol=1e-15, atol=1e-15)
+
+
+def test_single_precision_is_single_throughout() -> None:
+    """No literal, constant, table entry or parameter makes the arithmetic double: NumPy's single one gives the same."""
+    rows, s = arguments(2000, np.float32)
+    one = np.float32
+    plain = (one(0.5) * rows[:, 0] + one(0.2)) * np.exp(-rows[:, 1] * rows[:, 1]) + np.sqrt(np.abs(rows[:, 2])) * one(0.3)
+    last = np.array([math.erf(v) for v in s], np.float32) * one(0.1)
+    value = MANY([rows, s], (0.3,))
+    assert value.dtype == np.float32
+    assert np.mean(value == plain + last) > 0.5
+    np.testing.assert_allclose(value, plain + last, rtol=4e-7, atol=4e-7)
+    text = MANY.text(np.float32)
+    assert "R, T = float32, np.float32" in text
+    assert "R(0.5)" in text
+    assert "R(0.1)" in text
+
+
+def test_constants_may_differ_by_precision() -> None:
+    rows = arguments(5)[0]
+    assert (TWO([rows])[:, 1] == 1).all()
+    assert (TWO([rows.astype(np.float32)])[:, 1] == 2).all()
+    assert PRECISE == 1
+
+
+@pytest.mark.parametrize("count", [0, 1, CHUNK, 2 * CHUNK + 1, 7 * CHUNK + 5])
+@pytest.mark.parametrize("threads", ["1", "2", "5"])
+def test_any_number_of_threads_gives_the_same(count: int, threads: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    rows, s = arguments(count)
+    monkeypatch.setenv("MICROFACET_THREADS", threads)
+    shared = MANY([rows, s], (0.3,))
+    monkeypatch.setenv("MICROFACET_THREADS", "1")
+    np.testing.assert_array_equal(shared, MANY([rows, s], (0.3,)))
+    assert shared.shape == (count,)
+
+
+@given(mutually_broadcastable_shapes(num_shapes=2, max_dims=3, max_side=3, min_side=0))
+def test_broadcasting_is_numpys(found: Any) -> None:
+    (first, second), shape = found.input_shapes, found.result_shape
+    rows = np.random.default_rng(0).normal(size=(*first, 3))
+    s = np.random.default_rng(1).normal(size=second)
+    value = MANY([rows, s], (0.3,))
+    assert np.shape(value) == shape
+    wide, long = np.broadcast_to(rows, (*shape, 3)).reshape(-1, 3), np.broadcast_to(s, shape).reshape(-1)
+    np.testing.assert_allclose(np.ravel(value), python(wide, long, (0.3,)), rtol=1e-14, atol=1e-15)
+
+
+def test_strided_reversed_and_read_only_arrays() -> None:
+    rows, s = arguments(50)
+    expected = MANY([rows, s], (0.3,))
+    padded = np.zeros((100, 6))
+    padded[::2, ::2] = rows
+    np.testing.assert_array_equal(MANY([padded[::2, ::2], s], (0.3,)), expected)
+    np.testing.assert_array_equal(MANY([np.asfortranarray(rows), s[::-1][::-1]], (0.3,)), expected)
+    np.testing.assert_array_equal(MANY([rows[::-1], s[::-1]], (0.3,))[::-1], expected)
+    rows.flags.writeable = False
+    np.testing.assert_array_equal(MANY([rows, s], (0.3,)), expected)
+    np.testing.assert_array_equal(MANY([rows.astype(">f8"), s], (0.3,)), expected)
+
+
+def test_scalars_come_out_as_scalars() -> None:
+    value = MANY([[1.0, 2.0, 3.0], 0.5], (0.3,))
+    assert isinstance(value, np.float64)
+    assert TWO([[3.0, 4.0, 0.0]]).tolist() == [5.0, 1.0]
+
+
+def test_out_is_filled_and_returned() -> None:
+    rows, s = arguments(20)
+    out = np.full(20, np.nan)
+    assert MANY([rows, s], (0.3,), out) is out
+    np.testing.assert_array_equal(out, MANY([rows, s], (0.3,)))
+    scalar = np.zeros(())
+    assert MANY([rows[0], s[0]], (0.3,), scalar) is scalar
+    assert scalar == out[0]
+
+
+@pytest.mark.parametrize(
+    ("out", "found"),
+    [
+        (np.zeros(19), r"float64 \(19,\)"),
+        (np.zeros(20, np.float32), r"float32 \(20,\)"),
+        (np.zeros(40)[::2], r"float64 \(20,\)"),
+        ([0.0] * 20, "list"),
+    ],
+)
+def test_out_that_does_not_fit(out: Any, found: str) -> None:
+    rows, s = arguments(20)
+    with pytest.raises(ValueError, match=rf"out must be a C-contiguous float64 array of shape \(20,\), got {found}"):
+        MANY([rows, s], (0.3,), out)
+
+
+# --- texts and their cache ------------------------------------------------------------------------------------------
+
+
+def mutable(x: float, p: Any) -> float:
+    return x + len(os.sep)
+
+
+def test_a_kernel_may_not_depend_on_other_things() -> None:
+    with pytest.raises(TypeError, match="mutable uses os, which is no kernel and no constant"):
+        Batch(mutable, [1]).text(np.float64)
+
+
+def test_text_holds_all_that_is_called_and_each_constant() -> None:
+    text = MANY.text(np.float64)
+    for part in ("def kernel_", "def helper_", "R(0.5)", "0.2"):
+        assert part in text
+    assert text == Batch(kernel, [3, 1]).text(np.float64)
+    assert text != MANY.text(np.float32)
+    assert '"""' not in TWO.text(np.float64)
+
+
+def test_a_constant_that_changes_is_another_text(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = MANY.text(np.float64)
+    monkeypatch.setitem(globals(), "HALF", 0.25)
+    assert MANY.text(np.float64) != before
+
+
+def test_a_file_that_changed_under_a_running_process_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Source is looked up by line: after an edit above it, another function would stand there."""
+    (tmp_path / "edited_kernels.py").write_text("def first(x):\n    return x\n\n\ndef second(x):\n    return 2.0 * x\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    import edited_kernels
+
+    assert "2.0" in source(edited_kernels.second)
+    (tmp_path / "edited_kernels.py").write_text("X = 1.0\n\n\n\ndef other(x):\n    return x\n")
+    with pytest.raises(RuntimeError, match=r"edited_kernels.py has changed since it was imported"):
+        source(edited_kernels.second)
+
+
+def test_packed_passes_parameters_on() -> None:
+    def power(x: float, y: float, n: float, m: float) -> float:
+        return x**n + y**m
+
+    assert packed(power, 2, 2)(2.0, 3.0, (3.0, 2.0)) == 17
+
+
+def test_cache_directory(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("MICROFACET_CACHE", str(tmp_path / "kernels"))
+    assert cache_directory() == tmp_path / "kernels"
+    monkeypatch.delenv("MICROFACET_CACHE")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert cache_directory() == tmp_path / "microfacet"
+
+
+COUNT = """
+import json, sys
+import numpy as np
+from numba.core import event
+with event.install_recorder("numba:compile") as seen:
+    import microfacet as mf
+    values = [mf.GGX(0.3).D(np.ones((2, 3), real)).tolist() for real in (np.float64, np.float32)]
+print(json.dumps([len(seen.buffer), values]))
+"""
+
+
+def run(code: str, **environment: str) -> Any:
+    done = subprocess.run(
+        [sys.executable, "-c", code], env={**os.environ, **environment}, capture_output=True, text=True, check=True
+    )
+    return json.loads(done.stdout)
+
+
+def test_a_cached_kernel_compiles_nothing(tmp_path: Path) -> None:
+    """Another process, and no compilation in it: what a figure that is redrawn relies on."""
+    library = str(Path(__file__).parent.parent / "lib")
+    environment = {"MICROFACET_CACHE": str(tmp_path), "PYTHONPATH": library}
+    compiled, values = run(COUNT, **environment)
+    assert compiled > 0
+    texts = sorted(p.name for p in tmp_path.glob("*.py"))
+    assert len(texts) == 2
+    again, same = run(COUNT, **environment)
+    assert again == 0
+    assert same == values
+    assert sorted(p.name for p in tmp_path.glob("*.py")) == texts
+    assert not list(tmp_path.glob("*.tmp"))
+
+
+# --- arithmetic -------------------------------------------------------------------------------------------------------
+
+MODERATE = st.floats(-1e100, 1e100).filter(lambda v: v == 0 or abs(v) > 1e-100)
+
+
+@given(a=MODERATE, b=MODERATE)
+def test_sums_and_products_lose_nothing(a: float, b: float) -> None:
+    """As rational numbers, exactly."""
+    from fractions import Fraction
+
+    product, error = two_product(a, b)
+    assert Fraction(product) + Fraction(error) == Fraction(a) * Fraction(b)
+    total, rest = two_sum(a, b)
+    assert Fraction(total) + Fraction(rest) == Fraction(a) + Fraction(b)
+
+
+@given(a=st.floats(0, 27))
+def test_exponential_of_a_square(a: float) -> None:
+    import mpmath
+
+    with mpmath.workdps(60):
+        exact = mpmath.exp(-(mpmath.mpf(a) ** 2))
+        if exact > 1e-300:
+            assert abs(exp_minus_square(a) - exact) <= 2.5 * np.finfo(float).eps * exact
+
+
+def test_exponential_of_squares_next_to_the_horizon() -> None:
+    """The factor overflows where the exponential is 0: the product is 0."""
+    assert exp_minus_squares(1.0, 0.0, 0.5, 0.5, 1e-90, math.inf) == 0
+    assert exp_minus_squares(0.0, 1.0, 10.0, 10.0, 1e-100, math.inf) == 0

@@ -1,0 +1,179 @@
+"""The validation equations: right models pass, wrong ones fail by the amount that is known, and each equation can fail."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any, ClassVar
+
+import microfacet as mf
+import numpy as np
+import pytest
+from around import turned_to
+from microfacet.validation.equations import TITLES, Validation, residuals
+from microfacet.visibility.masking import Masking, nothing
+from samples import views
+from skewed import SKEWED
+
+pytestmark = pytest.mark.xdist_group("validation")
+
+INTEGRALS = ("projected_area", "visible_area", "visible_norm", "weak_furnace")
+CLASSIC = ("positivity", "reciprocity", "energy")
+SEEN = views(0, 30, 60, 80, 89)
+BECKMANN = mf.Beckmann(0.4)
+WRONG = {
+    mf.Implicit(BECKMANN): (1, 0.8660, 0.5019, 0.2189, 0.1218),
+    mf.Kelemen(BECKMANN): (1.0747, 1.0747, 1.0491, 0.7808, 0.5629),
+    mf.SchlickSmith(BECKMANN): (1, 0.9530, 0.7609, 0.5004, 0.3678),
+}
+
+
+@cache
+def verdicts(model: Masking) -> Validation:
+    return mf.validate(model, SEEN)
+
+
+@pytest.mark.parametrize("model", [mf.Smith(mf.GGX(0.4, 0.2)), mf.VCavity(BECKMANN)], ids=repr)
+def test_physical_models_hold(model: Masking) -> None:
+    found = mf.validate(model)
+    assert tuple(found) == INTEGRALS + CLASSIC
+    assert found.holds, str(found)
+    for name in INTEGRALS:
+        assert abs(found[name].residual) + found[name].bound < 1e-9
+        assert found[name].title == TITLES[name]
+
+
+@pytest.mark.parametrize(("model", "printed"), WRONG.items(), ids=repr)
+def test_wrong_models_miss_the_visible_area_by_the_table(model: Masking, printed: tuple[float, ...]) -> None:
+    for name in INTEGRALS[1:]:
+        values, bounds = residuals(model, SEEN)[name]
+        np.testing.assert_allclose(values + 1, printed, atol=5.1e-5)
+        assert (bounds < 1e-9).all()
+        assert verdicts(model)[name].verdict == "fails"
+        assert verdicts(model)[name].residual == values[np.argmax(np.abs(values))]
+    assert not verdicts(model).holds
+
+
+@pytest.mark.parametrize("model", WRONG, ids=repr)
+def test_the_classic_equations_do_not_notice(model: Masking) -> None:
+    assert {verdicts(model)[name].verdict for name in ("positivity", "reciprocity")} == {"holds"}
+    if not isinstance(model, mf.Kelemen):
+        assert verdicts(model)["energy"].verdict == "holds"
+    assert verdicts(model)["projected_area"].verdict == "holds"
+
+
+@pytest.mark.parametrize("model", [mf.Implicit(BECKMANN), mf.VCavity(BECKMANN), mf.Smith(mf.GGX(0.5, 0.2))], ids=repr)
+def test_residuals_by_a_rule_on_the_sphere(model: Masking) -> None:
+    values, _ = residuals(model, SEEN)["visible_area"]
+    for wo, value in zip(SEEN, values, strict=True):
+        seen = turned_to(wo, 96)
+        m = seen.directions
+        there = seen.sum(model.G1(wo, m) * (m @ wo) * model.ndf.D(m)) / wo[2] - 1
+        assert value == pytest.approx(there, abs=5e-4 if isinstance(model, mf.VCavity) else 1e-8)
+
+
+def test_without_opposite_facets_cavities_fail_and_smith_holds() -> None:
+    """The distribution itself is right: its facets project to the whole surface."""
+    tilted = np.vstack([views(30, 60, 85, azimuth=0), views(60, azimuth=120), views(60, azimuth=180)])
+    cavities, smith = residuals(mf.VCavity(SKEWED), tilted), residuals(mf.Smith(SKEWED), tilted)
+    for values, bounds in [cavities["projected_area"], *smith.values()]:
+        assert (np.abs(values) + bounds < 1e-9).all()
+    for name in INTEGRALS[1:]:
+        values, bounds = cavities[name]
+        assert np.abs(values).max() > 0.01
+        assert bounds.max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("ndf", "printed"),
+    [(mf.Ward(0.1), 0.980577), (mf.Ward(0.5), 0.698470), (mf.Ward(1.0), 0.403653), (mf.BlinnPhong(8.0), np.pi / 5)],
+    ids=repr,
+)
+def test_distributions_without_norm(ndf: mf.Ward, printed: float) -> None:
+    values, bounds = residuals(mf.VCavity(ndf), SEEN[:1])["projected_area"]
+    assert values[0] + 1 == pytest.approx(printed, abs=6e-7)
+    assert bounds[0] < 1e-9
+
+
+def test_blinn_phong_passes_at_one_exponent_only() -> None:
+    for n, right in ((2 * np.pi - 2, True), (4.0, False), (5.0, False)):
+        values, _ = residuals(mf.VCavity(mf.BlinnPhong(n)), SEEN[:1])["projected_area"]
+        assert bool(abs(values[0]) < 1e-9) is right
+
+
+# --- each of the classic equations can fail -----------------------------------------------------------------------------
+
+
+def any_G1(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
+    return 1.0
+
+
+def any_G2(
+    view: float,
+    light: float,
+    ox: float,
+    oy: float,
+    oz: float,
+    ix: float,
+    iy: float,
+    iz: float,
+    mx: float,
+    my: float,
+    mz: float,
+    p: Any,
+) -> float:
+    return p[1][0] + p[1][1] * oz
+
+
+class Arbitrary(Masking):
+    """G2 = constant + slope cos theta_o: no model of anything."""
+
+    view_kernel = staticmethod(nothing)
+    masked_kernel: ClassVar[Callable[..., float]] = staticmethod(any_G1)
+    shadowed_kernel: ClassVar[Callable[..., float]] = staticmethod(any_G2)
+
+    def __init__(self, constant: float, slope: float) -> None:
+        super().__init__(mf.GGX(0.5))
+        self.parameters = (self.ndf.parameters, (constant, slope))
+
+
+@pytest.mark.parametrize(
+    ("constant", "slope", "broken"),
+    [(-0.1, 0.0, {"positivity"}), (0.1, 0.3, {"reciprocity"}), (1.0, 0.0, {"energy"}), (0.1, 1e-6, {"reciprocity"})],
+)
+def test_each_classic_equation_can_fail(constant: float, slope: float, broken: set[str]) -> None:
+    found = mf.validate(Arbitrary(constant, slope), views(30, 80))
+    assert {name for name in CLASSIC if found[name].verdict == "fails"} == broken
+
+
+# --- verdicts -----------------------------------------------------------------------------------------------------------
+
+
+def test_a_bound_above_the_tolerance_decides_nothing() -> None:
+    found = mf.validate(mf.Smith(mf.GGX(0.4, 0.2)), SEEN, tolerance=1e-16)
+    assert found["visible_area"].verdict == "undecided"
+    assert not found.holds
+
+
+def test_verdict_says_where() -> None:
+    found = verdicts(next(iter(WRONG)))
+    assert found["visible_area"].where == "theta_o = 89, phi_o = 35"
+    assert found["projected_area"].where == ""
+    assert "theta_i" in found["reciprocity"].where
+    assert str(found).splitlines()[0] == "Implicit(Beckmann(0.4, 0.4))"
+    assert len(str(found).splitlines()) == len(found) + 1 == 8
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((mf.GGX(0.3),), r"model must be a model of masking such as Smith\(GGX\(0.3\)\), got GGX\(0.3, 0.3\)"),
+        ((mf.VCavity(BECKMANN), [[0, 0.6, -0.8]]), "wo must lie above the horizon, got z = -0.8"),
+        ((mf.VCavity(BECKMANN), [0.6, 0.8]), r"wo must have shape \(..., 3\), got shape \(2,\)"),
+        ((mf.VCavity(BECKMANN), None, 0.0), "tolerance must be above 0, got 0.0"),
+        ((mf.VCavity(BECKMANN), None, np.nan), "tolerance must be above 0, got nan"),
+    ],
+)
+def test_wrong_arguments(arguments: tuple[Any, ...], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        mf.validate(*arguments)
