@@ -22,9 +22,7 @@ from microfacet.surface.profile import (
 TILT = np.radians([-89.9, -75, -60, -30, -1, 0, 1e-9, 12, 45, 60, 80, 89.9])
 PROFILES = [
     Profile.gaussian(alpha, facets, waves, seed)
-    for seed, (alpha, facets, waves) in enumerate(
-        [(0.1, 3, 1), (0.5, 7, 4), (1.0, 12, 6), (2.0, 50, 9), (0.8, 400, 30)]
-    )
+    for seed, (alpha, facets, waves) in enumerate([(0.1, 3, 1), (0.5, 7, 4), (1.0, 12, 6), (2.0, 50, 9), (0.8, 400, 30)])
 ]
 
 
