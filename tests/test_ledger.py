@@ -1,0 +1,212 @@
+"""Every statement of the library, found by itself: printed, computed and proved. The full checks are slow."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import microfacet as mf
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+from microfacet import statement
+from microfacet.__main__ import main
+from microfacet.notation import Direction
+from microfacet.statement import Equation, expand_abbreviations
+
+ROOT = Path(__file__).parent.parent
+LIBRARY = ROOT / "lib" / "microfacet"
+KEYS = list(mf.equations)
+COMPUTED = [key for key in KEYS if mf.equations[key].over and sp.sympify(mf.equations[key].computed).free_symbols]
+INTEGRALS = [
+    key
+    for key in KEYS
+    if mf.equations[key].means is not None
+    and mf.equations[key].equals is not None
+    and max((len(i.limits) for i in sp.sympify(mf.equations[key].means).atoms(sp.Integral)), default=0) == 1
+]  # those over the plane of slopes are tests/geometry's
+EVERY = pytest.mark.parametrize("key", KEYS)
+quick = pytest.mark.xdist_group("statements")
+
+
+@quick
+def test_every_statement_in_the_text_is_in_the_ledger() -> None:
+    written = [key for path in LIBRARY.rglob("*.py") for key in re.findall(r'^\s+key="([\w.]+)"', path.read_text(), re.M)]
+    assert sorted(written) == sorted(KEYS)
+    assert len(KEYS) >= 60
+
+
+@quick
+def test_ledger_keeps_the_order_of_the_talk() -> None:
+    order = ["geometry", "visibility", "material", "brdf", "anisotropy", "validation"]
+    stages = [order.index(key.split(".")[0]) for key in KEYS]
+    assert stages == sorted(stages)
+
+
+@quick
+@EVERY
+def test_statement_is_complete(key: str) -> None:
+    """It has a title, slides of the talk, a source in the bibliography, and prints."""
+    equation = mf.equations[key]
+    assert re.fullmatch(r"[a-z_]+(\.\w+){2}|anisotropy\.\w+", key)
+    assert len(equation.title) > 10
+    assert not equation.title.endswith(".")
+    assert equation.slides
+    assert all(17 <= slide <= 75 for slide in equation.slides)
+    known = re.findall(r"^@\w+\{(\w+),", (ROOT / "chapters" / "references.bib").read_text(), re.M)
+    cited = [source.split(",")[0].strip() for source in equation.cite.split(";")]
+    assert set(cited) <= set(known)
+    assert equation.latex.count("{") == equation.latex.count("}")
+    assert re.search(r"=|\\le|\\ge", equation.latex)
+    assert "Piecewise" not in equation.latex
+    assert not re.search(r"[a-z]+_(packed|test)", equation.latex)
+    module, line = equation.stated_at.split(", line ")
+    path = LIBRARY.parent / (module.replace(".", "/") + ".py")
+    assert 0 < int(line) <= len(path.read_text().splitlines())
+
+
+def points(equation: Equation, count: int) -> list[list[float]]:
+    """Arguments inside the domain: by magnitude, or crowding in the middle where there is none; directions anywhere."""
+    random = np.random.default_rng(len(equation.key))
+    found = []
+    for _ in range(count):
+        point: list[float] = []
+        for argument, domain in equation.over.items():
+            if isinstance(argument, Direction):
+                theta, phi = np.arccos(random.random()), 2 * np.pi * random.random()
+                point += [np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)]
+            else:
+                low, high = map(float, domain)
+                share = random.random()
+                point.append(low * (high / low) ** share if low > 0 else low + (high - low) * (1 + (2 * share - 1) ** 5) / 2)
+        found.append([float(v) for v in point])
+    return found
+
+
+def ulps(value: float, exact: mpmath.mpf) -> float:
+    return float(abs(mpmath.mpf(value) - exact)) / math.ulp(abs(float(exact)))
+
+
+@quick
+@pytest.mark.parametrize("key", COMPUTED)
+def test_kernel_keeps_its_promise(key: str) -> None:
+    """As Python runs it, in double precision, at a few arguments: errors in ulps of the 50-digit value."""
+    equation = mf.equations[key]
+    for point in points(equation, 8):
+        exact = equation.exact(*point)
+        if 1e-300 < abs(exact) < 1e300:
+            assert ulps(equation.scalar(*point), exact) <= equation.within[0] * 1.05 + 0.5, point
+
+
+@quick
+@pytest.mark.parametrize("key", COMPUTED)
+def test_a_kernel_off_by_a_millionth_would_be_seen(key: str) -> None:
+    """The test above can fail for this statement: not every value is 0."""
+    equation = mf.equations[key]
+    errors = []
+    for point in points(equation, 8):
+        exact = equation.exact(*point)
+        if 1e-300 < abs(exact) < 1e300:
+            errors.append(ulps(equation.scalar(*point) * (1 + 1e-6), exact))
+    assert errors
+    assert max(errors) > 1e6 > equation.within[0]
+
+
+@quick
+@pytest.mark.parametrize("key", INTEGRALS)
+def test_closed_form_is_the_integral_it_stands_for(key: str) -> None:
+    """By quadrature at 20 digits, which knows nothing of the proof."""
+    equation = mf.equations[key]
+    means, equals = (expand_abbreviations(form).subs(equation.where) for form in (equation.means, equation.equals))
+    symbols = sorted(means.free_symbols | equals.free_symbols, key=str)
+    random = np.random.default_rng(7)
+    for _ in range(2):
+        at = {s: sp.Float(0.3 + float(random.random()), 30) for s in symbols}
+        here = complex(numerically(means.subs(at)))
+        assert here.real == pytest.approx(float(equals.subs(at).evalf(25)), rel=1e-10)
+
+
+def numerically(form: Any) -> Any:
+    """Every integral in the form by mpmath; what surrounds it by sympy."""
+    return form.replace(lambda e: isinstance(e, sp.Integral), quadrature).evalf(20)
+
+
+def quadrature(integral: sp.Integral) -> sp.Float:
+    variables = [limit[0] for limit in integral.limits]
+    function = sp.lambdify(variables, integral.function, "mpmath")
+    ends = [[_end(low), *([0] if low == -sp.oo else []), _end(high)] for _, low, high in integral.limits]
+    with mpmath.workdps(20):
+        return sp.Float(str(mpmath.quad(function, *ends)), 20)
+
+
+def _end(value: Any) -> Any:
+    return mpmath.inf if value == sp.oo else -mpmath.inf if value == -sp.oo else mpmath.mpf(str(sp.N(value, 25)))
+
+
+# --- command ------------------------------------------------------------------------------------------------------------
+
+
+@quick
+def test_command_lists_and_writes_one_record(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["list"]) == 0
+    assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == KEYS
+    out = tmp_path / "record.json"
+    assert main(["check", "visibility.smith.heights", "--out", str(out)]) == 0
+    record = json.loads(out.read_text())
+    assert (record["key"], record["verdict"], record["message"]) == ("visibility.smith.heights", "pass", "")
+    assert {mark["status"] for mark in record["marks"].values()} <= {"pass", "fail", "none"}
+
+
+@quick
+def test_command_names_an_unknown_key(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", "visibility.smith.height"]) == 2
+    assert "no equation 'visibility.smith.height'; near: visibility.smith.heights" in capsys.readouterr().err
+
+
+# --- the full checks ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+@EVERY
+def test_check_passes(key: str) -> None:
+    record = mf.equations[key].check()
+    assert record.verdict == "pass", record.failures
+
+
+@pytest.fixture
+def apart(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Statements made by a test are forgotten after it."""
+    monkeypatch.setattr(statement, "_registry", dict(statement._registry))
+    monkeypatch.setattr(statement, "_abbreviations", dict(statement._abbreviations))
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("apart")
+@pytest.mark.parametrize("key", COMPUTED)
+def test_check_finds_a_kernel_that_is_off_by_a_millionth(key: str) -> None:
+    equation = mf.equations[key]
+    right = equation.scalar
+    names = ", ".join(map(str, equation.arguments))
+    scope: dict[str, Any] = {"right": right}
+    text = f"def off({names}):\n    return right({names}) * 1.000001\n"
+    exec(text, scope)
+    scope["off"].__source__ = text
+    wrong = replace(equation, key=f"{key}_off", computed_by=scope["off"])
+    assert wrong.check().marks["numeric"].status == "fail"
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("apart")
+@pytest.mark.parametrize("key", [key for key in COMPUTED if mf.equations[key].equals is not None])
+def test_check_finds_a_closed_form_that_is_off_by_a_millionth(key: str) -> None:
+    """With a definition or a rewrite beside it, or a kernel by hand; a mere definition cannot be wrong."""
+    equation = mf.equations[key]
+    if equation.means is None and equation.computed_as is None and equation.computed_by is None:
+        pytest.skip("stated once only: nothing to compare with")
+    wrong = replace(equation, key=f"{key}_off", equals=equation.equals * sp.Rational(1000001, 1000000))
+    assert wrong.check().verdict == "fail"
