@@ -92,7 +92,7 @@ def test_print_is_symbol_definition_closed_form() -> None:
     with sp.evaluate(False):
         short = stated(means=x + 1, equals=1 + x)
     assert short.latex == "f = v + 1 = 1 + v"
-        long = stated(key="geometry.test.g", means=sum(sp.symbols("c:20")), equals=sum(sp.symbols("d:20")), computed_as=x)
+    long = stated(key="geometry.test.g", means=sum(sp.symbols("c:20")), equals=sum(sp.symbols("d:20")), computed_as=x)
     assert long.latex.startswith(r"\begin{aligned} f &= ")
     assert long.latex.count("&=") == 2
     assert long.latex_computed == "f = v"
