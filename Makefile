@@ -19,10 +19,10 @@ report: $(READY)
 	@$(BIN)/snakemake $(SNAKEMAKE_OPTIONS)
 
 test: $(READY)
-	@$(BIN)/pytest -n auto --dist loadgroup
+	@$(BIN)/pytest -n auto --dist loadfile
 
 test-all: $(READY)
-	@$(BIN)/pytest -n auto --dist loadgroup -m ""
+	@$(BIN)/pytest -n auto --dist loadfile -m ""
 
 lint: $(READY)
 	@$(BIN)/ruff check
