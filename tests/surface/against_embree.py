@@ -22,7 +22,7 @@ from microfacet.directions import spherical
 from microfacet.surface.gaussian import GaussianField
 from microfacet.surface.trace import HeightField
 
-RAYS, RUNS = 1_000_000, 5
+RAYS, RUNS = 1_000_000, 7
 
 
 def embree(field: HeightField) -> EmbreeScene:

@@ -293,7 +293,7 @@ def test_the_surface_repeats(a: int, b: int) -> None:
 def test_no_node_is_above_the_plane_of_its_block() -> None:
     field = smooth(128)
     z = np.pad(field.heights.astype(float), ((0, 1), (0, 1)), mode="wrap")
-    for shift in (3, 6):
+    for shift in range(trace.BASE, field.top + 1, trace.STEP):
         blocks, side = 128 >> shift, 1 << shift
         rows = field.planes.reshape(-1, 4)[blocks**2 : 2 * blocks**2].astype(float)
         place = np.arange(side + 1) - side / 2

@@ -10,7 +10,7 @@ before the first edge that it crosses below, and it leaves a facet without a hit
 per edge decides for both facets that share it, so that no ray leaks between them. A ray that starts on a facet crosses that
 facet's own edge above, whatever rounding says: there is no offset and no tolerance anywhere.
 
-How empty space is skipped. Square blocks of 8, 64, 512, ... cells each have a plane that no point of the block exceeds.
+How empty space is skipped. Square blocks of 4, 32, 256, ... cells a side each have a plane that no point of the block exceeds.
 Where a ray is above that plane no edge needs to be looked at. A smooth surface is nearly flat in a small block, so a ray
 sinks to within a cell or two of its hit before it looks at heights. The planes only save work: they are rounded up by more
 than what rounding does to a ray, and all signs that decide are taken in double precision from the heights themselves.
@@ -25,6 +25,7 @@ Sources: smits1999 (watertight walks), tevs2008 (maximum pyramids), amanatides19
 from __future__ import annotations
 
 import math
+import threading
 from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property, partial
 from typing import Any, NamedTuple, NoReturn, cast
@@ -46,11 +47,10 @@ ESCAPED = -1  # what is met in place of a facet: nothing
 LOST = -2  # undecided: the ray ran almost horizontally for `REACH` cells
 REACH = 2.0**24
 
-BASE, STEP = 3, 3  # blocks have 2^BASE, 2^(BASE + STEP), ... cells a side
+BASE, STEP = 2, 3  # blocks have 2^BASE, 2^(BASE + STEP), ... cells a side
 START = BASE + STEP  # where rays from above begin to look
-CELLS, GONE, IDLE = BASE - STEP, -1, -2  # what a lane may do instead of passing blocks
-UNDECIDED = -3
-ASTRAY = -4
+CELLS, HIT, GONE, IDLE = BASE - STEP, -8, -9, -10  # what a lane may do instead of passing blocks
+ASTRAY = -3
 LANES = 64
 CHUNK = 16384  # rays that a thread takes at once
 SORT = 1 << 21  # rays that are put into order at once
@@ -62,8 +62,10 @@ SLACK = 1e-6  # of a block's own height and slope, and a tenth of it in cells: h
 
 _njit: Any = partial(cast(Any, numba.njit), nogil=True, cache=True, error_model="numpy")
 _jit = _njit()
-_bare = _njit(_nrt=False)  # no counting of references: it would cost more than the walk itself
+_inner = _njit(_nrt=False, forceinline=True)  # no counting of references: it would cost more than the walk itself
 _lanes = _njit(_nrt=False, fastmath={"contract"})
+
+_thread = threading.local()
 
 
 class Hits(NamedTuple):
@@ -113,9 +115,8 @@ class HeightField:
                 order = self._order(o[part], d[part])
                 rays = (o[part], d[part], own[part] if len(own) else own, order, facet[part], distance[part])
                 count = part.stop - first
-                jobs: list[tuple[Any, ...]]
-                jobs = [(*field, *rays, k, min(k + CHUNK, count), *_memory()) for k in range(0, count, CHUNK)]
-                for done in [pool.submit(_trace, *job) for job in jobs]:
+                jobs = [(*field, *rays, k, min(k + CHUNK, count)) for k in range(0, count, CHUNK)]
+                for done in [pool.submit(_with_memory, job) for job in jobs]:
                     done.result()
         if len(facet) and facet.min() == ASTRAY:
             self._refuse(int(np.argmin(facet)), o, d, own)
@@ -288,10 +289,11 @@ def _by_tile(o: Array, d: Array, highest: float, size: int) -> Integers:  # prag
 #
 # Rows of the lanes' state, of LANES entries each. Rays are mirrored so that they run towards +x and +y: a mirrored axis has
 # the mask -1, and the cell c of it is the cell ~c of the surface. t is the distance so far, (CX, CY) the cell there, SIZE
-# the binary logarithm of the block's side, or CELLS, GONE or IDLE.
+# the binary logarithm of the block's side, or CELLS, HIT, GONE or IDLE. SIDE is the side of its cell that a ray starts on, or
+# -1; after a HIT, the facet.
 
-T, FX, FY, OZ, DX, DY, DZ, IX, IY, SX, SY, END = (row * LANES for row in range(12))
-CX, CY, SIZE, MX, MY, RAY, OWN = (row * LANES for row in range(7))
+T, FX, FY, OZ, DX, DY, DZ, IX, IY, IA, SX, SY, END = (row * LANES for row in range(13))
+CX, CY, SIZE, MX, MY, RAY, SIDE = (row * LANES for row in range(7))
 
 
 def _scope(module: Any) -> Any:
@@ -375,7 +377,7 @@ def _pass_blocks(s: Array, q: Integers, planes: Singles, mask: int, top: int, hi
         _put(q, SIZE + k, new if live else old)
 
 
-@_bare
+@_inner
 def _fetch(
     fetched: Array, starts: Integers, o: Array, d: Array, own: Integers, order: Integers, first: int, last: int
 ) -> None:  # pragma: no cover
@@ -387,95 +389,99 @@ def _fetch(
             fetched[6 * k + axis], fetched[6 * k + 3 + axis] = o[ray, axis], d[ray, axis]
 
 
-@_bare
+@_inner
 def _enter(
-    s: Array, q: Integers, k: int, fetched: Array, at: int, own: int, mask: int, top: int, highest: float
-) -> bool:  # pragma: no cover
-    """Put a ray into lane k; False if it is none, or if its facet does not hold its origin."""
-    x, y, z = fetched[6 * at], fetched[6 * at + 1], fetched[6 * at + 2]
+    s: Array, q: Integers, k: int, z: Singles, fetched: Array, at: int, own: int, mask: int, top: int, highest: float
+) -> int:  # pragma: no cover
+    """Put a ray into lane k; what it meets at once, if that is its own facet or if it is no ray, else ESCAPED."""
+    x, y, oz = fetched[6 * at], fetched[6 * at + 1], fetched[6 * at + 2]
     dx, dy, dz = fetched[6 * at + 3], fetched[6 * at + 4], fetched[6 * at + 5]
     mx, my = -1 if dx < 0 else 0, -1 if dy < 0 else 0
     sx, sy = 1.0 + 2.0 * mx, 1.0 + 2.0 * my
     x, dx, y, dy = sx * x, abs(dx), sy * y, abs(dy)
     length = max(dx, dy, abs(dz))
-    finite = x + y + z + dx + dy + dz
-    if not (finite == finite and max(abs(x), abs(y), abs(z)) <= REACH and TINY < length < 1 / TINY):
-        return False
-    t = max((highest - z) / dz, 0.0) if z > highest and dz < 0 else 0.0
+    finite = x + y + oz + dx + dy + dz
+    if not (finite == finite and max(abs(x), abs(y), abs(oz)) <= REACH and TINY < length < 1 / TINY):
+        return ASTRAY
+    t = max((highest - oz) / dz, 0.0) if oz > highest and dz < 0 else 0.0
     cx, cy = math.floor(x + t * dx), math.floor(y + t * dy)
-    side = -1
+    q[SIDE + k], size = -1, min(START, top)
     if own >= 0:
-        t, side = 0.0, (own & 1) ^ (1 + mx)
+        t, size = 0.0, CELLS
         cx, cy = _near(((own >> 1) // (mask + 1)) ^ mx, x, mask + 1), _near(((own >> 1) & mask) ^ my, y, mask + 1)
-    s[T + k], s[FX + k], s[FY + k], s[OZ + k] = t, x, y, z
+        q[SIDE + k] = (own & 1) ^ (1 + mx)
+        if max(abs(x - cx - 0.5), abs(y - cy - 0.5)) > 0.5 + 1e-6:
+            return ASTRAY
+        b, c = _slopes(q[SIDE + k], mx != my, *_corners(z, cx, cy, mx, my, mask))
+        if dz - b * dx - c * dy <= 0:
+            return own
+    s[T + k], s[FX + k], s[FY + k], s[OZ + k] = t, x, y, oz
     s[DX + k], s[DY + k], s[DZ + k] = dx, dy, dz
     s[IX + k], s[IY + k] = min(1 / dx, LARGEST), min(1 / dy, LARGEST)
+    s[IA + k] = 1 / (dx - dy if mx == my else dx + dy)
     s[SX + k], s[SY + k] = sx, sy
     s[END + k] = min(REACH / (dx + dy), LARGEST)
-    q[CX + k], q[CY + k], q[MX + k], q[MY + k], q[OWN + k] = cx, cy, mx, my, side
-    q[SIZE + k] = min(START, top) if own < 0 else CELLS
-    return own < 0 or (abs(x - cx - 0.5) <= 0.5 + 1e-6 and abs(y - cy - 0.5) <= 0.5 + 1e-6)
+    q[CX + k], q[CY + k], q[MX + k], q[MY + k], q[SIZE + k] = cx, cy, mx, my, size
+    return ESCAPED
 
 
-@_bare
+@_inner
 def _near(cell: int, x: float, n: int) -> int:  # pragma: no cover
     """The repetition of a cell that is nearest to x."""
     return cell + n * math.floor((x - cell - 0.5) / n + 0.5)
 
 
-@_bare
-def _walk(s: Array, q: Integers, k: int, z: Singles, planes: Singles, mask: int) -> tuple[int, float]:  # pragma: no cover
-    """Lane k through the cells of its smallest block: the facet and distance of a hit, or UNDECIDED.
+@_inner
+def _walk(s: Array, q: Integers, k: int, z: Singles, planes: Singles, mask: int) -> None:  # pragma: no cover
+    """Lane k from cell to cell, until it hits, leaves its smallest block, or is above that block's plane for good.
 
     Inside a cell, u and v run from 0 to 1 in the mirrored frame. Its diagonal is u = v, or u + v = 1 if one axis is
     mirrored (`flip`); the facet of larger u or u + v is side 1. A ray leaves through u = 1 or v = 1.
     """
-    t, x, y, oz = s[T + k], s[FX + k], s[FY + k], s[OZ + k]
-    dx, dy, dz, ix, iy = s[DX + k], s[DY + k], s[DZ + k], s[IX + k], s[IY + k]
     cx, cy, mx, my = q[CX + k], q[CY + k], q[MX + k], q[MY + k]
+    t, x, y, oz = s[T + k], s[FX + k], s[FY + k], s[OZ + k]
+    dx, dy, dz = s[DX + k], s[DY + k], s[DZ + k]
+    free = q[SIDE + k] < 0
     flip = mx != my
-    turn = 1.0 if flip else -1.0
-    across = dx + turn * dy
-    per_across = 1 / across
-    own = q[OWN + k] >= 0
-    aside = (x - cx) + turn * (y - cy) - (1.0 if flip else 0.0)
-    side = q[OWN + k] if own else int(aside + t * across > 0)
-    x0, y0 = cx, cy
     clear = _clear(s, q, k, planes, mask)
+    aside = x - cx + (y - cy) - 1.0 if flip else (x - cx) - (y - cy)
+    side = int(aside + t * (dx + dy if flip else dx - dy) > 0.0) if free else q[SIDE + k]
+    x0, y0 = cx, cy
     while True:
+        u, v = x - cx, y - cy
         z00, z10, z01, z11 = _corners(z, cx, cy, mx, my, mask)
-        if own and _sinks(dx, dy, dz, side, flip, z00, z10, z01, z11):
-            return _number(cx, cy, mx, my, side, mask), 0.0
-        tx, ty = (cx + 1 - x) * ix, (cy + 1 - y) * iy
+        tx, ty = (1.0 - u) * s[IX + k], (1.0 - v) * s[IY + k]
         along_x = tx < ty
         leave = tx if along_x else ty
-        share = (y - cy) + tx * dy if along_x else (x - cx) + ty * dx
+        share = v + tx * dy if along_x else u + ty * dx
         start = z10 if along_x else z01
-        out = 1 if flip or along_x else 0
         under_edge = oz + leave * dz < start + share * (z11 - start)
-        aside = (x - cx) + turn * (y - cy) - (1.0 if flip else 0.0)
-        middle = -aside * per_across
+        middle = (1.0 - u - v if flip else v - u) * s[IA + k]
         middle = middle if middle > t else t
         middle = middle if middle < leave else leave
         start, stop = z01 if flip else z00, z10 if flip else z11
-        under_middle = oz + middle * dz < start + ((x - cx) + middle * dx) * (stop - start)
-        before = (out != side) & under_middle & (not own)
-        if before | (under_edge & ((out != side) | (not own))):
+        under_middle = oz + middle * dz < start + (u + middle * dx) * (stop - start)
+        out = int(flip | along_x)
+        before = (out != side) & under_middle & free
+        if before | (under_edge & ((out != side) | free)):
             side = side if before else out
-            distance = _meet(x - cx, y - cy, oz, dx, dy, dz, side, flip, z00, z10, z01, z11)
-            return _number(cx, cy, mx, my, side, mask), min(max(distance, t), leave)
-        t, own = leave, False
-        cx, cy = (cx + 1, cy) if along_x else (cx, cy + 1)
-        side = 0 if flip or along_x else 1
-        if (((cx ^ x0) | (cy ^ y0)) >> BASE != 0) | (t > clear):
+            b, c = _slopes(side, flip, z00, z10, z01, z11)
+            base = z11 - b - c if flip and side == 1 else z00
+            t = min(max((base + b * u + c * v - oz) / (dz - b * dx - c * dy), t), leave)
+            cell = ((cx ^ mx) & mask) * (mask + 1) + ((cy ^ my) & mask)
+            q[SIDE + k], q[SIZE + k] = 2 * cell + (side ^ (1 + mx)), HIT
             break
-    s[T + k], q[CX + k], q[CY + k], q[OWN + k] = t, cx, cy, -1
-    crossed = ((cx ^ x0) | (cy ^ y0)) >> (BASE + STEP) != 0
-    q[SIZE + k] = BASE + STEP if crossed and (mask + 1) >> (BASE + STEP) > 0 else BASE
-    return UNDECIDED, t
+        t, free, side = leave, True, 1 - out
+        cx, cy = cx + int(along_x), cy + int(not along_x)
+        crossed = (cx ^ x0) | (cy ^ y0)
+        if (crossed >> BASE != 0) | (t > clear):
+            wider = (crossed >> (BASE + STEP) != 0) & ((mask + 1) >> (BASE + STEP) > 0)
+            q[SIDE + k], q[SIZE + k] = -1, BASE + STEP if wider else BASE
+            break
+    s[T + k], q[CX + k], q[CY + k] = t, cx, cy
 
 
-@_bare
+@_inner
 def _clear(s: Array, q: Integers, k: int, planes: Singles, mask: int) -> float:  # pragma: no cover
     """The distance from which on lane k is above the plane of its smallest block, if it rises against it."""
     cx, cy, last = q[CX + k] >> BASE, q[CY + k] >> BASE, mask >> BASE
@@ -487,7 +493,7 @@ def _clear(s: Array, q: Integers, k: int, planes: Singles, mask: int) -> float: 
     return -gap / rate if rate > 0 else LARGEST
 
 
-@_bare
+@_inner
 def _corners(
     z: Singles, cx: int, cy: int, mx: int, my: int, mask: int
 ) -> tuple[float, float, float, float]:  # pragma: no cover
@@ -497,49 +503,14 @@ def _corners(
     return np.float64(z[i0, j0]), np.float64(z[i1, j0]), np.float64(z[i0, j1]), np.float64(z[i1, j1])
 
 
-@_bare
-def _number(cx: int, cy: int, mx: int, my: int, side: int, mask: int) -> int:  # pragma: no cover
-    return 2 * (((cx ^ mx) & mask) * (mask + 1) + ((cy ^ my) & mask)) + (side ^ (1 + mx))
-
-
-@_bare
-def _sinks(
-    dx: float, dy: float, dz: float, side: int, flip: bool, z00: float, z10: float, z01: float, z11: float
-) -> bool:  # pragma: no cover
-    """Whether a direction points into a facet."""
-    b, c = _slopes(side, flip, z00, z10, z01, z11)
-    return dz - b * dx - c * dy <= 0
-
-
-@_bare
+@_inner
 def _slopes(side: int, flip: bool, z00: float, z10: float, z01: float, z11: float) -> tuple[float, float]:  # pragma: no cover
     b = z10 - z00 if (side == 0) == flip else z11 - z01
     c = z11 - z10 if side == 1 else z01 - z00
     return b, c
 
 
-@_bare
-def _meet(
-    x: float,
-    y: float,
-    z: float,
-    dx: float,
-    dy: float,
-    dz: float,
-    side: int,
-    flip: bool,
-    z00: float,
-    z10: float,
-    z01: float,
-    z11: float,
-) -> float:  # pragma: no cover
-    """The distance to a facet's plane."""
-    b, c = _slopes(side, flip, z00, z10, z01, z11)
-    base = z11 - b - c if flip and side == 1 else z00
-    return -(z - base - b * x - c * y) / (dz - b * dx - c * dy)
-
-
-@_bare
+@_njit(_nrt=False)
 def _trace(
     z: Singles,
     planes: Singles,
@@ -563,33 +534,43 @@ def _trace(
     far: Array,
 ) -> None:  # pragma: no cover
     """The rays first..last-1 of the order, in lanes that are filled again as soon as they are done."""
-    for k in range(LANES):
-        ready[k] = k
-        q[CX + k], q[CY + k], q[MX + k], q[MY + k], q[SIZE + k], q[RAY + k] = 0, 0, 0, 0, IDLE, -1
+    _reset(s, q, ready)
     waiting, following, left = LANES, 0, last - first
     while left > 0:
         for at in range(waiting):
             k = ready[at]
-            free = _decide(s, q, k, z, planes, mask, highest, found, far)
-            left -= int(free and q[RAY + k] >= 0)
-            while free and following < last - first:
+            if q[SIZE + k] == CELLS:
+                _walk(s, q, k, z, planes, mask)
+            if not _decide(s, q, k, highest, found, far):
+                continue
+            left -= int(q[RAY + k] >= 0)
+            q[SIZE + k], q[RAY + k] = IDLE, -1
+            while q[SIZE + k] == IDLE and following < last - first:
                 place = following % LANES
                 if place == 0:
                     _fetch(fetched, starts, o, d, own, order, first + following, last)
+                met = _enter(s, q, k, z, fetched, place, starts[place], mask, top, highest)
+                found[following], far[following] = met, 0.0
                 q[RAY + k] = following
-                free = not _enter(s, q, k, fetched, place, starts[place], mask, top, highest)
-                if free:
-                    found[following], far[following] = ASTRAY, math.inf
-                    left -= 1
+                left -= int(met != ESCAPED)
                 following += 1
-            if free:
-                q[SIZE + k], q[RAY + k] = IDLE, -1
         _pass_blocks(s, q, planes, mask, top, highest)
         waiting = _leaving(q, ready)
     _return(facet, distance, found, far, order, first, last)
 
 
-@_bare
+@_inner
+def _reset(s: Array, q: Integers, ready: Integers) -> None:  # pragma: no cover
+    """Lanes without rays, all of them ready for one."""
+    for at in range(13 * LANES):
+        s[at] = 1.0
+    for at in range(7 * LANES):
+        q[at] = 0
+    for k in range(LANES):
+        ready[k], q[SIZE + k], q[RAY + k] = k, IDLE, -1
+
+
+@_inner
 def _return(
     facet: Integers, distance: Array, found: Integers, far: Array, order: Integers, first: int, last: int
 ) -> None:  # pragma: no cover
@@ -599,26 +580,21 @@ def _return(
         facet[ray], distance[ray] = found[k], far[k]
 
 
-@_bare
-def _decide(
-    s: Array, q: Integers, k: int, z: Singles, planes: Singles, mask: int, highest: float, found: Integers, far: Array
-) -> bool:  # pragma: no cover
+@_inner
+def _decide(s: Array, q: Integers, k: int, highest: float, found: Integers, far: Array) -> bool:  # pragma: no cover
     """Whether lane k is free; if its ray has just been decided, the result is written."""
-    if q[SIZE + k] == IDLE:
-        return True
     ray = q[RAY + k]
+    if q[SIZE + k] == HIT:
+        found[ray], far[ray] = q[SIDE + k], s[T + k]
+        return True
     if q[SIZE + k] == GONE:
         above = s[DZ + k] >= 0 and s[OZ + k] + s[T + k] * s[DZ + k] > highest
         found[ray], far[ray] = ESCAPED if above else LOST, math.inf
         return True
-    met, t = _walk(s, q, k, z, planes, mask)
-    if met == UNDECIDED:
-        return False
-    found[ray], far[ray] = met, t
-    return True
+    return q[SIZE + k] == IDLE
 
 
-@_bare
+@_inner
 def _leaving(q: Integers, ready: Integers) -> int:  # pragma: no cover
     """Puts the lanes that have left the blocks in front; their number."""
     count = 0
@@ -628,12 +604,19 @@ def _leaving(q: Integers, ready: Integers) -> int:  # pragma: no cover
     return count
 
 
+def _with_memory(job: tuple[Any, ...]) -> None:
+    """`_trace` with memory that belongs to the thread."""
+    if not hasattr(_thread, "memory"):
+        _thread.memory = _memory()
+    _trace(*job, *_thread.memory)
+
+
 def _memory() -> tuple[Any, ...]:
     """Memory for `_trace`: the lanes' state, the lanes that are ready, the next rays, their facets, the results."""
     return (
-        np.ones(12 * LANES),
-        np.zeros(7 * LANES, np.int64),
-        np.zeros(LANES, np.int64),
+        np.empty(13 * LANES),
+        np.empty(7 * LANES, np.int64),
+        np.empty(LANES, np.int64),
         np.empty(6 * LANES),
         np.empty(LANES, np.int64),
         np.empty(CHUNK, np.int64),
