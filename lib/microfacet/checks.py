@@ -13,8 +13,9 @@ import mpmath
 import numpy as np
 import sympy as sp
 
+from microfacet import balls
 from microfacet.notation import Direction
-from microfacet.statement import Equation, expand_abbreviations, reference
+from microfacet.statement import Equation, equations, expand_abbreviations, reference
 
 POINTS = 300  # arguments at which a kernel is compared with 50 digits, in each precision
 AGREE = 30  # digits to which two forms of a statement must agree where both have 50
@@ -52,7 +53,7 @@ class Record:
 
 def check(equation: Equation) -> Record:
     """Every check that applies to the statement."""
-    marks = {"symbolic": symbolic(equation), "numeric": numeric(equation)}
+    marks = {"symbolic": symbolic(equation), "enclosed": enclosed(equation), "numeric": numeric(equation)}
     return Record(equation.key, marks, equation.stated_at)
 
 
@@ -111,8 +112,58 @@ def symbolic(equation: Equation) -> Mark:
     if failed:
         return Mark("fail", f"sympy cannot prove: {', '.join(failed)}")
     if not claims:
-        return Mark("none", "a definition")
+        return Mark("none", "enclosed only" if equation.enclosed else "a definition")
     return Mark("pass", equation.proved_by or "sympy: " + ", ".join(name for name, _ in claims))
+
+
+# --- enclosed -------------------------------------------------------------------------------------------------------
+
+
+def enclosed(equation: Equation) -> Mark:
+    """What ball arithmetic proves of left side minus right side."""
+    if not equation.enclosed:
+        return Mark("none", "nothing to enclose")
+    if not balls.available():
+        return Mark("none", "python-flint is not installed")
+    if not callable(equation.enclosed):
+        return _enclosed_elsewhere(equation.enclosed)
+    found = list(equation.enclosed(equation))
+    broken = [e for e in found if not e.supports(equation.relation)]
+    if broken or not found:
+        return Mark("fail", "; ".join(f"{e.shown} at {e.where}" for e in broken) or "nothing was enclosed")
+    return Mark("pass", _enclosed_words(found), _enclosed_figures(found))
+
+
+def _enclosed_words(found: Sequence[balls.Enclosure]) -> str:
+    if len(found) == 1:
+        return f"{found[0].shown} for {found[0].where}"
+    worst = max(found, key=lambda e: e.radius)
+    if worst.residual.contains(0):
+        return f"{worst.shown} at {len(found)} points"
+    return "; ".join(f"{e.shown} for {e.where}" for e in found)
+
+
+def _enclosed_figures(found: Sequence[balls.Enclosure]) -> dict[str, Any]:
+    worst = max(found, key=lambda e: e.radius)
+    figures: dict[str, Any] = {"radius": worst.radius, "at": worst.where, "count": len(found)}
+    if not any(e.residual.contains(0) for e in found):
+        figures |= {
+            "low": min(float(e.residual.lower()) for e in found),
+            "high": max(float(e.residual.upper()) for e in found),
+        }
+    return figures
+
+
+def _enclosed_elsewhere(keys: Sequence[str]) -> Mark:
+    """A general statement, through the statements that carry it out for one model each."""
+    marks = {key: enclosed(equations[key]) for key in keys}
+    broken = [key for key, mark in marks.items() if mark.status != "pass"]
+    if broken:
+        return Mark("fail", f"not enclosed: {', '.join(broken)}")
+    worst = max(marks.values(), key=lambda mark: mark.measured["radius"]).measured
+    count = sum(mark.measured["count"] for mark in marks.values())
+    detail = f"0 within {worst['radius']:.1e} at {count} points of {len(keys)} models"
+    return Mark("pass", detail, {**worst, "count": count})
 
 
 # --- numeric --------------------------------------------------------------------------------------------------------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import importlib
 import inspect
@@ -10,10 +11,10 @@ import pkgutil
 import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cache, cached_property
 from pathlib import Path
-from types import FunctionType
+from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 import mpmath
@@ -40,9 +41,10 @@ class Equation:
     over: the arguments, in order: a symbol with its interval, or a Direction with "hemisphere" or "sphere".
     within: the promised error of the kernel in ulps, (double, single).
     where: what arguments, and symbols that other statements define, stand for in printed symbols.
-    relation: "=" or, for a bound, r"\\le" or r"\\ge".
+    relation: "=" or, for a bound, "<", ">", r"\\le" or r"\\ge", or r"\\ne".
     proof: gives the expressions that sympy must find to be zero, in place of the default (means - equals);
     rewrite_proof: likewise in place of (computed_as - equals). proved_by: how, in words.
+    enclosed: from the statement, proved balls that hold its left side minus its right; or the keys of statements that do.
     slides: where in the talk. cite: BibTeX key and equation. note: what a reader should know.
     """
 
@@ -60,6 +62,7 @@ class Equation:
     proof: Callable[[], Sequence[Any]] | None = None
     rewrite_proof: Callable[[], Sequence[Any]] | None = None
     proved_by: str = ""
+    enclosed: Callable[[Any], Sequence[balls.Enclosure]] | tuple[str, ...] = ()
     slides: tuple[int, ...] = ()
     cite: str = ""
     note: str = ""
@@ -357,20 +360,60 @@ def _content(thing: Any, seen: set[int]) -> list[str]:
     seen.add(id(thing))
     if isinstance(thing, Equation):
         return _equation_content(thing, seen)
+    if isinstance(thing, functools._lru_cache_wrapper):
+        thing = thing.__wrapped__
+        return [_text(thing, inspect.getsource), *_all_content(_uses(thing), seen)]
     if isinstance(thing, FunctionType):
-        named = inspect.getclosurevars(thing)
-        used = {**named.globals, **named.nonlocals}
-        return [source(thing), *(line for name in sorted(used) for line in _content(used[name], seen))]
+        return [_text(thing, source), *_all_content(_uses(thing), seen)]
+    if is_dataclass(thing) and not isinstance(thing, type):
+        return [line for part in fields(thing) for line in _content(getattr(thing, part.name), seen)]
+    if isinstance(thing, list | tuple | dict):
+        parts = [*thing.values()] if isinstance(thing, dict) else [*thing]
+        return [repr(thing) if all(isinstance(p, str | float | int) for p in parts) else "", *_all_content(parts, seen)]
     if isinstance(thing, sp.Basic):
         called = [_abbreviations[f.func] for f in thing.atoms(AppliedUndef) if f.func in _abbreviations]
-        return [sp.srepr(thing), *(line for e in sorted(called, key=lambda e: e.key) for line in _content(e, seen))]
-    return [repr(thing)] if isinstance(thing, int | float | str | tuple) else []
+        return [_representation(thing), *(line for e in sorted(called, key=lambda e: e.key) for line in _content(e, seen))]
+    return [repr(thing)] if isinstance(thing, int | float | str) else []
+
+
+@cache
+def _text(function: FunctionType, look_up: Callable[[FunctionType], str]) -> str:
+    return look_up(function)
+
+
+@cache
+def _representation(expression: Any) -> str:
+    return str(sp.srepr(expression))
+
+
+def _all_content(things: Sequence[Any], seen: set[int]) -> list[str]:
+    return [line for thing in things for line in _content(thing, seen)]
+
+
+def _uses(function: FunctionType) -> list[Any]:
+    """What a function of ours names: globals, what it closes over, and attributes of our modules."""
+    root = function.__module__.split(".")[0] if isinstance(function.__module__, str) else ""
+    if root in sys.stdlib_module_names or root in ("numpy", "scipy", "sympy", "mpmath", "numba", "flint"):
+        return []
+    names = sorted(_names(function.__code__))
+    found = [function.__globals__[name] for name in names if name in function.__globals__]
+    found += [cell.cell_contents for cell in function.__closure__ or ()]
+    modules = [m for m in found if isinstance(m, ModuleType) and m.__name__.startswith("microfacet.")]
+    return [*found, *(getattr(m, name) for m in modules for name in names if name in vars(m))]
+
+
+def _names(code: CodeType) -> set[str]:
+    """The names in a function's code and in the functions inside it."""
+    inner = (_names(constant) for constant in code.co_consts if isinstance(constant, CodeType))
+    return set(code.co_names).union(*inner)
 
 
 def _equation_content(e: Equation, seen: set[int]) -> list[str]:
     lines = [e.key, repr(e.within), e.relation]
     for form in (e.symbol, e.means, e.equals, e.computed_as, *e.where.values(), *e.over.values()):
         lines += _content(form if isinstance(form, tuple | str) else sp.sympify(form), seen)
-    for function in (e.proof, e.rewrite_proof, e.computed_by):
+    for function in (e.proof, e.rewrite_proof, e.computed_by, e.enclosed if callable(e.enclosed) else None):
         lines += _content(function, seen) if function is not None else []
+    for key in () if callable(e.enclosed) else e.enclosed:
+        lines += _content(equations[key], seen)
     return [*lines, repr(e.over)]

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from microfacet import balls
 from microfacet.directions import as_uniform, as_vectors
 from microfacet.kernels import Batch
 from microfacet.material.fresnel import Fresnel, Mirror
@@ -71,7 +72,7 @@ with sp.evaluate(False):
         symbol=raw("E_anchor", r"E(\theta_o)"),
         means=sp.Integral(mu / (mu + mu_o), (mu, 0, 1)),
         equals=1 - mu_o * sp.log(1 + 1 / mu_o),
-        computed_by=None,
+        enclosed=lambda it: balls.agreement(it.means, it.equals, (mu_o,), [(1e-6,), (0.1,), (1.0,)]),
         over={mu_o: (1e-6, 1)},
         proof=lambda: _anchor_steps(),
         proved_by="sympy: Lambda and D at alpha = 1 put in, then the antiderivative",

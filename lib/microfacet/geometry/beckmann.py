@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from itertools import product
 from math import log1p, sqrt
 from typing import Any
 
 import mpmath
 import sympy as sp
 
+from microfacet import balls
 from microfacet.arithmetic import exp_minus_squares
 from microfacet.directions import positive
 from microfacet.geometry.ggx import ROUGHNESS
-from microfacet.geometry.slopes import Distribution, around, normals_integral, slope_integral
+from microfacet.geometry.slopes import Distribution, around, normals_integral, slope_integral, unstretched_norm
 from microfacet.kernels import packed
 from microfacet.notation import a, alpha, alpha_x, alpha_y, chi, q, raw, wm, x, y
 from microfacet.statement import Equation
@@ -21,6 +23,8 @@ from microfacet.statement import Equation
 
 PI = 3.141592653589793
 SQRT_PI = 1.7724538509055161
+FAR = sp.Integer(9)  # in units of alpha: what the slopes beyond add is below 1e-34
+ROUGHNESSES = [(1e-4,), (0.1,), (1.0,), (10.0,)]  # at which integrals are enclosed
 
 
 def compensated_P22(x: float, y: float, alpha_x: float, alpha_y: float) -> float:
@@ -81,6 +85,7 @@ projected_area = Equation(
     equals=sp.Integer(1),
     proof=_polar_steps,
     proved_by="sympy: slopes unstretched, then polar coordinates",
+    enclosed=lambda it: balls.agreement(balls.truncated(unstretched_norm(P22.equals), FAR, sp.exp(-(FAR**2))), 1, (), [()]),
     slides=(35, 36, 55, 67),
     cite="heitz2014",
 )
@@ -98,6 +103,12 @@ with sp.evaluate(False):
         means=sp.Integral(sp.exp(-(q**2) / alpha**2 - y**2 / alpha**2) / (sp.pi * alpha**2), (y, -sp.oo, sp.oo)),
         equals=sp.exp(-(q**2) / alpha**2) / (sp.sqrt(sp.pi) * alpha),
         computed_by=marginal,
+        enclosed=lambda it: balls.agreement(
+            balls.truncated(it.means, FAR * alpha, it.equals * sp.exp(-(FAR**2))),
+            it.equals,
+            (q, alpha),
+            [(share * scale, scale) for share, scale in product((0.0, 1.0, 5.0), (1e-4, 1.0, 10.0))],
+        ),
         over={q: (-50, 50), alpha: ROUGHNESS},
         slides=(70, 71),
         cite="heitz2014",
@@ -161,6 +172,12 @@ with sp.evaluate(False):
         over={a: (1e-8, 1e8)},
         slides=(58, 62, 63),
         cite="heitz2014, eq. 69",
+        enclosed=lambda it: balls.agreement(
+            balls.truncated(it.means, a + FAR, sp.exp(-((a + FAR) ** 2))),
+            it.equals,
+            (a,),
+            [(1e-8,), (0.01,), (1.0,), (4.0,)],
+        ),
         note="The closed form subtracts the error function from 1; the rewrite has nothing left to subtract.",
     )
 
@@ -172,6 +189,9 @@ area = Equation(
     equals=1 + sp.sqrt(sp.pi) * alpha * sp.exp(1 / alpha**2) * sp.erfc(1 / alpha) / 2,
     computed_as=1 + alpha**2 * (1 - sp.Function("g")(1 / alpha)) / 2,
     over={alpha: ROUGHNESS},
+    enclosed=lambda it: balls.agreement(
+        balls.truncated(it.means, FAR * alpha, (2 + FAR * alpha) * sp.exp(-(FAR**2))), it.equals, (alpha,), ROUGHNESSES
+    ),
     proof=lambda: _area_steps(),
     proved_by="sympy: substitution w^2 = 1 + q^2, then the antiderivative",
     slides=(34,),

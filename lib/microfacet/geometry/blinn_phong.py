@@ -8,6 +8,7 @@ from typing import Any
 import mpmath
 import sympy as sp
 
+from microfacet import balls
 from microfacet.arithmetic import two_product, two_sum
 from microfacet.directions import positive
 from microfacet.geometry.slopes import Distribution, around, normals_integral
@@ -15,6 +16,7 @@ from microfacet.notation import chi, n, q, raw, u, wm, y
 from microfacet.statement import Equation
 
 EXPONENT = (0.5, 1e4)
+POWERS = [(0.5,), (1.0,), (10.0,), (1e4,)]  # at which integrals are enclosed
 r = sp.Symbol("r", positive=True)
 K = raw("K", "K", positive=True)  # normalisation of the slopes along one direction
 
@@ -77,6 +79,7 @@ projected_area = Equation(
     proof=_power_steps,
     proved_by="sympy: antiderivative by differentiation, taken between the ends",
     over={n: EXPONENT},
+    enclosed=lambda it: balls.agreement(cosine_power, it.equals, (n,), POWERS),
     slides=(55,),
     cite="heitz2014",
     note="Equal to 1 at one exponent only, n = 2 pi - 2.",
@@ -87,6 +90,7 @@ normalized_projected_area = Equation(
     symbol=normals_integral(r"\left( \omega_m \cdot \omega_g \right) D(\omega_m)"),
     means=_scaled,
     equals=sp.Integer(1),
+    enclosed=lambda it: balls.agreement(_scaled, 1, (n,), POWERS),
     proof=lambda: [*_power_steps(), (n + 2) / (2 * sp.pi) * 2 * sp.pi / (n + 2) - 1],
     proved_by="sympy: antiderivative by differentiation, taken between the ends",
     slides=(35, 36, 55),
@@ -125,11 +129,20 @@ with sp.evaluate(False):
         equals=sp.hyper([2, n + 1], [(n + 4) / 2], (1 - u) / 2) / ((n + 1) * (n + 2)),
         computed_by=overlap,
         over={u: (0, 1), n: EXPONENT},
+        enclosed=lambda it: balls.agreement(
+            _overlap_folded(), it.equals, (u, n), [(0.0, 0.5), (1.0, 0.5), (0.3, 1.0), (0.0, 10.0), (0.9, 10.0), (0.0, 1e3)]
+        ),
         proof=lambda: _overlap_steps(),
         proved_by="Gradshteyn and Ryzhik 3.252.10, checked against the integral at 50 digits",
         slides=(62,),
         cite="gradshteyn2007, 3.252.10",
     )
+
+
+def _overlap_folded() -> sp.Expr:
+    """The integral up to 1, and beyond it over 1/v."""
+    base = 1 + 2 * u * v + v**2
+    return sp.Integral(v * base ** (-(n + 3) / 2), (v, 0, 1)) + sp.Integral(v**n * base ** (-(n + 3) / 2), (v, 0, 1))
 
 
 def _overlap_steps() -> list[Any]:

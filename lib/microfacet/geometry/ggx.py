@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from itertools import product
 from math import sqrt
 from typing import Any
 
 import sympy as sp
 
+from microfacet import balls
 from microfacet.directions import positive
-from microfacet.geometry.slopes import Distribution, around, normals_integral, slope_integral
+from microfacet.geometry.slopes import Distribution, around, normals_integral, slope_integral, unstretched_norm
 from microfacet.kernels import packed
 from microfacet.notation import a, alpha, alpha_x, alpha_y, chi, q, raw, wm, x, y
 from microfacet.statement import Equation
 
 ROUGHNESS = (1e-4, 10)
+ARGUMENTS = [(1e-8,), (0.01,), (1.0,), (100.0,), (1e8,)]  # of Lambda, where it is enclosed
 
 # --- statements ---------------------------------------------------------------------------------------------------
 
@@ -56,6 +59,7 @@ projected_area = Equation(
     equals=sp.Integer(1),
     proof=lambda: _polar_steps(),
     proved_by="sympy: slopes unstretched, then polar coordinates",
+    enclosed=lambda it: balls.agreement(balls.folded(unstretched_norm(P22.equals), 1), 1, (), [()]),
     slides=(35, 36, 55, 67),
     cite="heitz2014",
 )
@@ -79,6 +83,9 @@ with sp.evaluate(False):
         means=sp.Integral(1 / (sp.pi * alpha**2 * (1 + q**2 / alpha**2 + y**2 / alpha**2) ** 2), (y, -sp.oo, sp.oo)),
         equals=alpha**2 / (2 * (alpha**2 + q**2) ** sp.Rational(3, 2)),
         computed_as=1 / (2 * alpha * (1 + (q / alpha) ** 2) * sp.sqrt(1 + (q / alpha) ** 2)),
+        enclosed=lambda it: balls.agreement(
+            balls.folded(it.means, alpha), it.equals, (q, alpha), list(product((0.0, 1.0, 1e3), (1e-4, 1.0, 10.0)))
+        ),
         over={q: (-1e3, 1e3), alpha: ROUGHNESS},
         slides=(70, 71),
         cite="heitz2014",
@@ -91,6 +98,7 @@ with sp.evaluate(False):
         equals=(-1 + sp.sqrt(1 + 1 / a**2)) / 2,
         computed_as=1 / (2 * a * (a + sp.sqrt(1 + a**2))),
         over={a: (1e-8, 1e8)},
+        enclosed=lambda it: balls.agreement(balls.folded(it.means, a + 1), it.equals, (a,), ARGUMENTS),
         slides=(58, 62, 63),
         cite="heitz2014, eq. 72",
         note="The closed form subtracts two numbers near 1 where a is large; the rewrite does not.",
@@ -106,6 +114,7 @@ area = Equation(
     means=sp.Integral(2 * q * sp.sqrt(1 + q**2) / (alpha**2 * (1 + q**2 / alpha**2) ** 2), (q, 0, sp.oo)),
     equals=1 + alpha**2 * sp.atanh(sp.sqrt(1 - alpha**2)) / sp.sqrt(1 - alpha**2),
     computed_as=1 + alpha**2 * sp.asinh(_k / alpha) / _k,
+    enclosed=lambda it: balls.agreement(balls.folded(it.means, 1), it.equals, (alpha,), [(1e-4,), (0.1,), (0.999,)]),
     rewrite_proof=lambda: [sp.tanh(sp.asinh(_k.doit() / alpha)) - _k.doit(), _k.doit() ** 2 - (1 - alpha**2)],
     over={alpha: (1e-4, 0.999)},
     proof=lambda: _area_steps(),

@@ -169,6 +169,13 @@ def slope_integral(density: sp.Expr) -> sp.Integral:
     return sp.Integral(density, (x, -sp.oo, sp.oo), (y, -sp.oo, sp.oo))
 
 
+def unstretched_norm(density: sp.Expr) -> sp.Integral:
+    """The integral of a density of slopes in polar coordinates after unstretching, where the angle has dropped out."""
+    r, angle = sp.Symbol("r", positive=True), sp.Symbol("angle", real=True)
+    moved = density.doit().subs({x: alpha_x * r * sp.cos(angle), y: alpha_y * r * sp.sin(angle)}) * alpha_x * alpha_y
+    return sp.Integral(sp.simplify(2 * sp.pi * r * moved), (r, 0, sp.oo))
+
+
 def normals_integral(inside: str) -> sp.Symbol:
     """The left-hand side of an integral over all normals."""
     return raw(f"integral_{zlib.crc32(inside.encode())}", rf"\int_{{\Omega}} {inside} \, d\omega_m")

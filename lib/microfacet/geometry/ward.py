@@ -6,9 +6,10 @@ from typing import Any
 
 import sympy as sp
 
+from microfacet import balls
 from microfacet.arithmetic import exp_minus_squares
 from microfacet.directions import positive
-from microfacet.geometry.beckmann import PI, compensated_P22, kernel_sample
+from microfacet.geometry.beckmann import FAR, PI, ROUGHNESSES, compensated_P22, kernel_sample
 from microfacet.geometry.ggx import ROUGHNESS
 from microfacet.geometry.slopes import Distribution, normals_integral
 from microfacet.kernels import packed
@@ -47,6 +48,9 @@ projected_area = Equation(
     symbol=normals_integral(r"\left( \omega_m \cdot \omega_g \right) D(\omega_m)"),
     means=sp.Integral(2 * q * sp.exp(-(q**2) / alpha**2) / (alpha**2 * (1 + q**2) ** 2), (q, 0, sp.oo)),
     equals=sp.exp(1 / alpha**2) * sp.expint(2, 1 / alpha**2) / alpha**2,
+    enclosed=lambda it: balls.agreement(
+        balls.truncated(it.means, FAR * alpha, sp.exp(-(FAR**2))), it.equals, (alpha,), ROUGHNESSES
+    ),
     proof=lambda: _substitution_steps(),
     proved_by="sympy: substitution w = 1 + q^2 gives the exponential integral",
     slides=(55,),

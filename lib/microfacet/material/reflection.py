@@ -8,6 +8,7 @@ import sympy as sp
 
 from microfacet.notation import G1, D, ih, mu_o, om, raw
 from microfacet.statement import Equation
+from microfacet.visibility.masking import MODELS
 
 m_vector, o_vector = raw("m_vector", r"\omega_m"), raw("o_vector", r"\omega_o")
 i_vector, h_vector = raw("i_vector", r"\omega_i"), raw("h_vector", r"\omega_h")
@@ -83,6 +84,7 @@ with sp.evaluate(False):
         title="the weak white furnace: with perfect mirrors and no shadowing nothing is lost",
         symbol=raw("weak_furnace", r"\int_{\Omega} \frac{G_1(\omega_o, \omega_h) D(\omega_h)}{4 \cos \theta_o} \, d\omega_i"),
         equals=sp.Integer(1),
+        enclosed=MODELS,
         slides=(46,),
         cite="heitz2014",
         note="Over the whole sphere of light directions: reflections that go down still count here.",

@@ -22,12 +22,16 @@ from microfacet.statement import Equation
 seen = raw("A_plus", r"A^{+}", positive=True)  # projected area of all facets turned to the viewer
 hidden = raw("A_minus", r"A^{-}", positive=True)  # projected area of all facets turned away
 
+SHAPES = ("beckmann", "ggx", "normalized_blinn_phong")
+MODELS = tuple(f"validation.table2.{masking}_{shape}" for masking in ("smith", "v_cavity") for shape in SHAPES)
+
 with sp.evaluate(False):
     conservation = Equation(
         key="visibility.masking.projected_area",
         title="visible facets project to the area of the surface",
         symbol=normals_integral(r"G_1(\omega_o, \omega_m) \left\langle \omega_o, \omega_m \right\rangle D(\omega_m)"),
         equals=mu_o,
+        enclosed=MODELS,
         slides=(39, 40),
         cite="heitz2014",
         note="The second validation equation; each model below is put to it.",
@@ -46,6 +50,7 @@ with sp.evaluate(False):
         title="visible normals are a distribution",
         symbol=normals_integral(r"D_{\omega_o}(\omega_m)"),
         equals=sp.Integer(1),
+        enclosed=MODELS,
         slides=(42, 43),
         cite="heitz2014",
         note="The third validation equation: the second, divided by the cosine.",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
+from microfacet import balls
 from microfacet.notation import G1, LATEX, Lambda_i, Lambda_o, phi, u
 from microfacet.statement import Equation
 
@@ -40,6 +41,9 @@ with sp.evaluate(False):
         symbol=stated("height"),
         means=sp.Integral(u**Lambda_o * u**Lambda_i, (u, 0, 1)),
         equals=1 / (1 + Lambda_o + Lambda_i),
+        enclosed=lambda it: balls.agreement(
+            it.means, it.equals, (Lambda_o, Lambda_i), [(0.0, 0.0), (0.25, 0.5), (1.0, 3.0), (1e3, 0.1)]
+        ),
         over={Lambda_o: OCCLUSION, Lambda_i: OCCLUSION},
         slides=(49, 50),
         cite="heitz2014, eq. 99",

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from microfacet import balls
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX, ROUGHNESS
 from microfacet.geometry.slopes import Distribution
@@ -90,6 +91,7 @@ with sp.evaluate(False):
         symbol=raw("G1_heights", r"G_1(\omega_o, \omega_m)"),
         means=sp.Integral(u**Lambda_o, (u, 0, 1)),
         equals=1 / (1 + Lambda_o),
+        enclosed=lambda it: balls.agreement(it.means, it.equals, (Lambda_o,), [(0.0,), (0.25,), (1.0,), (1e3,)]),
         over={Lambda_o: (0, 1e8)},
         slides=(39, 40),
         cite="heitz2014",

@@ -1,0 +1,644 @@
+"""The talk's two tables, proved: each tick an integral enclosed around its value, each cross a residual that excludes 0.
+
+All integrals over normals are taken over the slope q along the view direction, where a facet is seen from its front if
+q < cot theta_o: per unit of projected area it then shows 1 - q tan theta_o. Kelemen's alone needs slopes in polar coordinates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import sympy as sp
+
+from microfacet import balls
+from microfacet.balls import Ball, Enclosure, ball
+from microfacet.geometry import beckmann, blinn_phong, ggx, ward
+from microfacet.geometry.slopes import normals_integral
+from microfacet.notation import P2, Lambda_o, a, alpha, mu_o, n, q, raw, theta_o, wm
+from microfacet.statement import Equation, expand_abbreviations
+
+ROUGH = (1e-4, 0.1, 1.0, 10.0)
+POWERS = (0.5, 10.0, 1e4)
+ANGLES = (1e-3, 30.0, 60.0, 89.9, 90 - 1e-6)  # degrees
+FAR = 9  # in units of alpha: Gaussian slopes beyond have a share below 1e-36
+
+w = sp.Symbol("w", real=True)  # a slope along the view, in a form that suits the distribution
+tan_o = raw("tan_o", r"\tan \theta_o", positive=True)
+COTANGENT = sp.cot(theta_o)
+CONSTANT, SLOPE, LOW, HIGH = sp.symbols("constant slope low high", real=True)
+
+# --- slopes along the view ----------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Slopes:
+    """One distribution's slopes along the view, as functions of w, which goes from -end to end.
+
+    q: the slope. density: P2(q) as stated elsewhere. level: density times dq/dw. tilted: the same times q.
+    hidden: Smith's Lambda. Lambda, edge: the same, and w at q = cot theta_o, from shape and tan theta_o.
+    missing: bounds what 1 and q tan theta_o, times the density, integrate to beyond the ends.
+    """
+
+    shape: sp.Symbol
+    shapes: tuple[float, ...]
+    q: sp.Expr
+    density: sp.Expr
+    level: sp.Expr
+    tilted: sp.Expr
+    end: sp.Expr
+    hidden: sp.Expr
+    Lambda: Callable[[Ball, Ball], Ball]
+    edge: Callable[[Ball, Ball], Ball]
+    missing: Callable[[Ball, Ball], Ball] = lambda shape, tangent: ball(0)
+
+    @property
+    def points(self) -> list[dict[str, float]]:
+        return [{str(self.shape): s, "degrees": d} for s in self.shapes for d in ANGLES]
+
+    def integral(self, constant: Any, slope: Any, shape: Ball, low: Ball, high: Ball) -> Ball:
+        """Of (constant + slope q) P2(q) dq between two values of w."""
+        return _integral(self.level, self.tilted, self.shape)(ball(constant), ball(slope), shape, low, high)
+
+    def steps(self) -> list[Any]:
+        """The substitution, in tau = tan w where cosines occur; and the density is even."""
+        tau = sp.Symbol("tau", real=True)
+        angular = self.level.has(sp.cos)
+        put = {w: sp.atan(tau)} if angular else {w: tau}
+        rate = sp.diff(self.q.subs(put), tau) * (1 + tau**2 if angular else 1)
+        measure = self.density.subs(q, self.q.subs(put)) * rate
+        return [
+            sp.powsimp(sp.simplify(measure / self.level.subs(put))) - 1,
+            sp.simplify(self.q.subs(put) * self.level.subs(put) - self.tilted.subs(put)),
+            self.density - self.density.subs(q, -q),
+        ]
+
+
+@cache
+def _integral(level: sp.Expr, tilted: sp.Expr, shape: sp.Symbol) -> Callable[..., Ball]:
+    inside = sp.Integral(CONSTANT * level + SLOPE * tilted, (w, LOW, HIGH))
+    return balls.evaluator(inside, (CONSTANT, SLOPE, shape, LOW, HIGH))
+
+
+@cache
+def _function(statement: Equation, *arguments: sp.Symbol) -> Callable[..., Ball]:
+    """The closed form of a statement as a function of balls."""
+    return balls.evaluator(statement.equals, arguments)
+
+
+def _beckmann_Lambda(alpha: Ball, tangent: Ball) -> Ball:
+    return _function(beckmann.Lambda, *beckmann.Lambda.arguments)(1 / (alpha * tangent))
+
+
+def _ggx_Lambda(alpha: Ball, tangent: Ball) -> Ball:
+    return _function(ggx.Lambda, *ggx.Lambda.arguments)(1 / (alpha * tangent))
+
+
+def _student_Lambda(n: Ball, tangent: Ball) -> Ball:
+    K = (
+        (n + 2)
+        / (2 * balls.pi())
+        * balls.evaluator(blinn_phong.marginal_factor.equals.subs(q, 0), (sp.Symbol("n", positive=True),))(n)
+    )
+    return _function(blinn_phong.Lambda, *blinn_phong.Lambda.arguments)(1 / tangent, n, K)
+
+
+def _gaussian_tail(alpha: Ball, tangent: Ball) -> Ball:
+    """Beyond s = FAR, where q = alpha s: of exp(-s^2)/sqrt(pi), and of that times alpha s tan theta_o."""
+    share = ball(FAR).erfc() + alpha * tangent * ball(-FAR * FAR).exp()
+    return share.union(-share)
+
+
+BECKMANN = Slopes(
+    shape=alpha,
+    shapes=ROUGH,
+    q=alpha * w,
+    density=beckmann.P2.equals.doit(),
+    level=sp.exp(-(w**2)) / sp.sqrt(sp.pi),
+    tilted=alpha * w * sp.exp(-(w**2)) / sp.sqrt(sp.pi),
+    end=sp.Integer(FAR),
+    hidden=beckmann.Lambda.equals.doit().subs(a, COTANGENT / alpha),
+    Lambda=_beckmann_Lambda,
+    edge=lambda alpha, tangent: 1 / (alpha * tangent),
+    missing=_gaussian_tail,
+)
+GGX = Slopes(
+    shape=alpha,
+    shapes=ROUGH,
+    q=alpha * sp.tan(w),
+    density=ggx.P2.equals.doit(),
+    level=sp.cos(w) / 2,
+    tilted=alpha * sp.sin(w) / 2,
+    end=sp.pi / 2,
+    hidden=ggx.Lambda.equals.doit().subs(a, COTANGENT / alpha),
+    Lambda=_ggx_Lambda,
+    edge=lambda alpha, tangent: (1 / (alpha * tangent)).atan(),
+)
+_NORM = (n + 2) / (2 * sp.pi) * sp.sqrt(sp.pi) * sp.gamma((n + 3) / 2) / sp.gamma((n + 4) / 2)
+STUDENT = Slopes(
+    shape=n,
+    shapes=POWERS,
+    q=sp.tan(w),
+    density=(n + 2) / (2 * sp.pi) * blinn_phong.marginal_factor.equals.doit(),
+    level=_NORM * sp.cos(w) ** (n + 1),
+    tilted=_NORM * sp.cos(w) ** n * sp.sin(w),
+    end=sp.pi / 2,
+    hidden=expand_abbreviations(
+        blinn_phong.Lambda.equals.doit().subs(dict(zip(blinn_phong.Lambda.arguments, (COTANGENT, n, _NORM), strict=True)))
+    ),
+    Lambda=_student_Lambda,
+    edge=lambda n, tangent: (1 / tangent).atan(),
+)
+FAMILIES = ("beckmann", "ggx", "normalized_blinn_phong")
+
+
+def radians(degrees: Ball) -> Ball:
+    return degrees * balls.pi() / 180
+
+
+# --- ticks: Smith and V-cavities ------------------------------------------------------------------------------------------
+
+
+def smith_residual(slopes: Slopes, shape: Ball, degrees: Ball) -> Ball:
+    """What Smith's masking leaves of the facets turned to the viewer, over what he must see, less 1."""
+    tangent = radians(degrees).tan()
+    edge = slopes.edge(shape, tangent).min(ball(slopes.end))
+    turned = slopes.integral(1, -tangent, shape, -ball(slopes.end), edge) + slopes.missing(shape, tangent)
+    return turned / (1 + slopes.Lambda(shape, tangent)) - 1
+
+
+def cavity_residual(slopes: Slopes, shape: Ball, degrees: Ball) -> Ball:
+    """V-cavities show 1 - q tan theta_o of a facet, and at most 2: less where q < -cot theta_o."""
+    tangent = radians(degrees).tan()
+    edge, end = slopes.edge(shape, tangent).min(ball(slopes.end)), ball(slopes.end)
+    free = slopes.integral(1, -tangent, shape, -edge, edge)
+    masked = slopes.integral(2, 0, shape, -end, -edge)
+    return free + masked + 2 * slopes.missing(shape, ball(0)) - 1
+
+
+def _enclosed(residual: Callable[[Slopes, Ball, Ball], Ball], slopes: Slopes) -> list[Enclosure]:
+    return balls.at(lambda **point: residual(slopes, point[str(slopes.shape)], point["degrees"]), slopes.points)
+
+
+share = raw(
+    "visible_share",
+    r"\frac{1}{\cos \theta_o} \int_{\Omega} G_1(\omega_o, \omega_m)"
+    r" \left\langle \omega_o, \omega_m \right\rangle D(\omega_m) \, d\omega_m",
+)
+
+with sp.evaluate(False):
+    _TURNED = sp.Integral((1 - q * sp.tan(theta_o)) * P2(q), (q, -sp.oo, sp.cot(theta_o))) / (1 + Lambda_o)
+    _CAVITY = sp.Integral(2 * P2(q), (q, -sp.oo, -sp.cot(theta_o))) + sp.Integral(
+        (1 - q * sp.tan(theta_o)) * P2(q), (q, -sp.cot(theta_o), sp.cot(theta_o))
+    )
+
+
+def _smith_steps(slopes: Slopes) -> list[Any]:
+    """Beyond the edge -(1 - q tan) is tan (q - cot), which is Lambda's integrand; below it, 1 - q tan averages to 1."""
+    return [*slopes.steps(), -(1 - q * tan_o) - tan_o * (q - 1 / tan_o)]
+
+
+def _cavity_steps(slopes: Slopes) -> list[Any]:
+    """A slope and its opposite together show 2: both are free, or one shows all of 2 and the other nothing."""
+    return [*slopes.steps(), (1 - q * tan_o) + (1 + q * tan_o) - 2]
+
+
+def _smith(key: str, over: str, slopes: Slopes) -> Equation:
+    return Equation(
+        key=key,
+        title=f"Smith over {over}: what is seen is what there is to see",
+        symbol=share,
+        means=_TURNED,
+        equals=sp.Integer(1),
+        where={P2(q): slopes.density, Lambda_o: slopes.hidden},
+        proof=lambda: _smith_steps(slopes),
+        proved_by="sympy: the hidden part is Lambda's integral; the slopes are even, and their density is of norm 1",
+        enclosed=lambda it: _enclosed(smith_residual, slopes),
+        slides=(39, 40, 58),
+        cite="heitz2014",
+    )
+
+
+def _cavity(key: str, over: str, slopes: Slopes) -> Equation:
+    return Equation(
+        key=key,
+        title=f"V-cavities over {over}: what is seen is what there is to see",
+        symbol=share,
+        means=_CAVITY,
+        equals=sp.Integer(1),
+        where={P2(q): slopes.density},
+        proof=lambda: _cavity_steps(slopes),
+        proved_by="sympy: a slope and its opposite together show 2; the slopes are even, and their density is of norm 1",
+        enclosed=lambda it: _enclosed(cavity_residual, slopes),
+        slides=(39, 40, 58),
+        cite="cook1982; heitz2014",
+    )
+
+
+PHONG = "normalised Blinn-Phong"
+
+_smith(
+    key="validation.table2.smith_beckmann",
+    over="Beckmann",
+    slopes=BECKMANN,
+)
+_smith(
+    key="validation.table2.smith_ggx",
+    over="GGX",
+    slopes=GGX,
+)
+_smith(
+    key="validation.table2.smith_normalized_blinn_phong",
+    over=PHONG,
+    slopes=STUDENT,
+)
+_cavity(
+    key="validation.table2.v_cavity_beckmann",
+    over="Beckmann",
+    slopes=BECKMANN,
+)
+_cavity(
+    key="validation.table2.v_cavity_ggx",
+    over="GGX",
+    slopes=GGX,
+)
+_cavity(
+    key="validation.table2.v_cavity_normalized_blinn_phong",
+    over=PHONG,
+    slopes=STUDENT,
+)
+
+
+# --- crosses: table 1 -------------------------------------------------------------------------------------------------------
+
+projected = normals_integral(r"\left( \omega_m \cdot \omega_g \right) D(\omega_m)")
+
+with sp.evaluate(False):
+    _PHONG = 2 * sp.pi / (n + 2) - 1
+    phong = Equation(
+        key="validation.table1.blinn_phong",
+        title="by how much Blinn-Phong misses its projected area",
+        symbol=projected - 1,
+        means=_PHONG,
+        equals=(2 * sp.pi - 2 - n) / (n + 2),
+        enclosed=lambda it: _phong_enclosed(it.equals),
+        slides=(35, 36, 55),
+        cite="blinn1977",
+        note="Too much below n = 2 pi - 2, right there, too little above.",
+    )
+
+
+def _phong_enclosed(closed: sp.Expr) -> list[Enclosure]:
+    """Integral minus closed form, at exponents down to 0.5 and up to 10^4, and at the one that passes."""
+    area = balls.evaluator(blinn_phong.cosine_power, (n,))
+    excess = balls.evaluator(closed, (n,))
+    with balls.precision(balls.ENCLOSING):
+        exponents = [*(ball(e) for e in POWERS), 2 * balls.pi() - 2]
+    return balls.at(lambda n: area(n) - 1 - excess(n), [{"n": e} for e in exponents])
+
+
+def _ward_steps() -> list[Any]:
+    """Ward's D is Beckmann's times cos^4, which is below 1 everywhere but at the pole; and Beckmann's integral is 1."""
+    return [ward.D.equals.doit() - beckmann.D.equals.doit() * sp.cos(wm.theta) ** 4]
+
+
+ward_area = Equation(
+    key="validation.table1.ward",
+    title="Ward's facets never project to the whole surface",
+    symbol=projected,
+    equals=sp.Integer(1),
+    relation="<",
+    proof=_ward_steps,
+    proved_by="sympy: Ward is Beckmann times the fourth power of the cosine",
+    enclosed=lambda it: [balls.over(_ward_residual, alpha=(0.05, 1))],
+    slides=(35, 36, 55),
+    cite="ward1992",
+    note="For every roughness, isotropic or not; the enclosure says by how much, for alpha between 0.05 and 1.",
+)
+
+
+def _ward_residual(alpha: Ball) -> Ball:
+    """x e^x E_2(x), x = 1/alpha^2, is the integral of e^(-s)/(1 + s/x)^2 over s > 0 and rises with x: its ends suffice."""
+    area = _function(ward.projected_area, sp.Symbol("alpha", positive=True))
+    return area(alpha.lower()).union(area(alpha.upper())) - 1
+
+
+# --- crosses: table 2, closed forms ---------------------------------------------------------------------------------------
+
+k = sp.Symbol("k", positive=True)
+root = sp.sqrt(mu_o**2 + alpha**2 * (1 - mu_o**2))
+tangent = sp.sqrt(1 - mu_o**2) / mu_o
+ggx_Lambda_o = ggx.Lambda.equals.doit().subs(ggx.Lambda.symbol.args[0], 1 / (alpha * tangent))
+
+
+def _closed_steps(masking: sp.Expr, stated: sp.Expr) -> list[Any]:
+    """1 + Lambda = (mu + E)/(2 mu), E the root; then with mu and E as unknowns bound by E^2 = mu^2 + alpha^2 (1 - mu^2)."""
+    E = sp.Symbol("E", positive=True)
+    residual = masking * (mu_o + E) / (2 * mu_o) - 1 - stated.doit().subs(root, E)
+    numerator = sp.expand(sp.fraction(sp.together(residual))[0])
+    lambda_square = sp.simplify(((2 * ggx_Lambda_o + 1) * mu_o) ** 2 - root**2)
+    return [lambda_square, sp.rem(numerator, E**2 - root**2, E)]
+
+
+def _sign_steps(bracket: sp.Expr, largest: sp.Expr) -> list[Any]:
+    """The bracket is linear in mu, negative at 0, and 0 at mu = 1 for the largest alpha: below it, negative for every mu."""
+    ends = [bracket.subs(mu_o, 0).subs(alpha, largest), bracket.subs(mu_o, 1).diff(alpha)]
+    signs = sp.Integer(0 if ends[0].is_negative and ends[1].is_positive else 1)
+    return [sp.diff(bracket, mu_o, 2), bracket.subs({mu_o: 1, alpha: largest}), signs]
+
+
+with sp.evaluate(False):
+    _IMPLICIT = (1 - mu_o) * (alpha**2 * (1 + mu_o) - 4) / (2 * (2 - mu_o + root))
+    _SCHLICK = (
+        (1 - mu_o)
+        * (alpha**2 * (1 + mu_o) - 4 * k**2 * (1 - mu_o) - 4 * k * mu_o)
+        / (2 * (mu_o + k * (1 - mu_o)) * (root + mu_o + 2 * k * (1 - mu_o)))
+    )
+    _HALVED = alpha * (alpha - 1) * mu_o * (1 - mu_o) / ((mu_o + alpha * (1 - mu_o) / 2) * (root + mu_o + alpha * (1 - mu_o)))
+
+COSINES = (1e-6, 0.5, 0.999)
+SCHLICK_K = sp.sqrt(2 / sp.pi)
+
+
+def _closed_enclosed(masking: sp.Expr, stated: sp.Expr, alphas: tuple[float, ...]) -> list[Enclosure]:
+    """Integral over slopes times the masking function, less 1, less the closed form."""
+    mask, excess = balls.evaluator(masking, (alpha, mu_o)), balls.evaluator(stated, (alpha, mu_o))
+
+    def apart(alpha: Ball, mu: Ball) -> Ball:
+        tangent = (1 - mu**2).sqrt() / mu
+        turned = GGX.integral(1, -tangent, alpha, -ball(GGX.end), GGX.edge(alpha, tangent))
+        return mask(alpha, mu) * turned - 1 - excess(alpha, mu)
+
+    return balls.at(apart, [{"alpha": a, "mu": m} for a in alphas for m in COSINES])
+
+
+implicit_ggx = Equation(
+    key="validation.table2.implicit_ggx",
+    title="by how much Implicit masking over GGX misses what there is to see",
+    symbol=share - 1,
+    equals=_IMPLICIT,
+    proof=lambda: [*_closed_steps(mu_o, _IMPLICIT), *_sign_steps(alpha**2 * (1 + mu_o) - 4, sp.sqrt(2))],
+    proved_by="sympy: Lambda put in, then modulo the square of the root",
+    enclosed=lambda it: _closed_enclosed(mu_o, it.equals, ROUGH),
+    slides=(58,),
+    cite="hoffman2010",
+    note="Zero at normal incidence and where alpha^2 (1 + cos theta_o) = 4, which needs alpha above sqrt 2.",
+)
+schlick_ggx = Equation(
+    key="validation.table2.schlick_smith_ggx",
+    title="by how much Schlick-Smith over GGX misses what there is to see",
+    symbol=share - 1,
+    equals=_SCHLICK,
+    proof=lambda: [
+        *_closed_steps(mu_o / (mu_o + k * (1 - mu_o)), _SCHLICK),
+        *_sign_steps(alpha * (1 + mu_o) - 4 * alpha * SCHLICK_K**2 * (1 - mu_o) - 4 * SCHLICK_K * mu_o, 2 * SCHLICK_K),
+    ],
+    proved_by="sympy: Lambda put in, then modulo the square of the root",
+    enclosed=lambda it: _closed_enclosed(
+        (mu_o / (mu_o + k * (1 - mu_o))).subs(k, alpha * SCHLICK_K), it.equals.doit().subs(k, alpha * SCHLICK_K), ROUGH
+    ),
+    slides=(58,),
+    cite="schlick1994",
+    note="Zero at normal incidence; enclosed for k = alpha sqrt(2/pi).",
+)
+halved_ggx = Equation(
+    key="validation.table2.schlick_smith_halved_ggx",
+    title="by how much Schlick-Smith with k = alpha/2 over GGX misses what there is to see",
+    symbol=share - 1,
+    equals=_HALVED,
+    proof=lambda: [*_closed_steps((mu_o / (mu_o + k * (1 - mu_o))).subs(k, alpha / 2), _HALVED), _HALVED.doit().subs(alpha, 1)],
+    proved_by="sympy: Lambda put in, then modulo the square of the root",
+    enclosed=lambda it: _closed_enclosed((mu_o / (mu_o + k * (1 - mu_o))).subs(k, alpha / 2), it.equals, ROUGH),
+    slides=(58,),
+    cite="schlick1994",
+    note="Zero for every direction at alpha = 1, where it is Smith's function; elsewhere at normal and grazing incidence only.",
+)
+
+# --- crosses: table 2, over boxes -----------------------------------------------------------------------------------------
+
+SMOOTHEST, ROUGHEST = 0.01, 2.0
+STEEPEST, FLATTEST = 0.001, 90.0  # degrees
+
+_hidden_slopes = sp.expand(beckmann.Lambda.equals.doit() * a)  # a Lambda(a), the integral of (q - a) P2(q) over q > a
+
+
+def _hidden(alpha: Ball, degrees: Ball) -> Ball:
+    """mu Lambda/(alpha (1 - mu)) for Beckmann: cot(theta/2) a Lambda(a), which falls with a: the ends of a box bound it."""
+    slopes = _plain(_hidden_slopes, a)
+    argument = radians(degrees).cos().nonnegative_part() / (alpha * radians(degrees).sin())
+    return slopes(argument.upper()).union(slopes(argument.lower().nonnegative_part())) / (radians(degrees) / 2).tan()
+
+
+@cache
+def _plain(expression: sp.Expr, *arguments: sp.Symbol) -> Callable[..., Ball]:
+    return balls.evaluator(expression, arguments)
+
+
+def _implicit_box(alpha: Ball, degrees: Ball) -> Ball:
+    """(share - 1)/(1 - mu) with share = mu (1 + Lambda)."""
+    return alpha * _hidden(alpha, degrees) - 1
+
+
+def _schlick_box(alpha: Ball, degrees: Ball) -> Ball:
+    """(share - 1)(mu + k (1 - mu))/(alpha (1 - mu)) with share = mu (1 + Lambda)/(mu + k (1 - mu)), k = alpha sqrt(2/pi)."""
+    return _hidden(alpha, degrees) - (2 / balls.pi()).sqrt()
+
+
+def _box_steps() -> list[Any]:
+    """Both differences, divided as above, in Lambda and mu; and mu/(1 - mu) is cot(theta/2)/tan(theta)."""
+    L, mu = sp.symbols("L mu", positive=True)
+    half = sp.Symbol("half", positive=True)
+    weight = mu + k * (1 - mu)
+    return [
+        sp.simplify((mu * (1 + L) - 1) / (1 - mu) - (mu * L / (1 - mu) - 1)),
+        sp.simplify((mu * (1 + L) / weight - 1) * weight / (1 - mu) - (mu * L / (1 - mu) - k)),
+        sp.cos(2 * half) / (1 - sp.cos(2 * half)) - sp.cot(half) / sp.tan(2 * half),
+    ]
+
+
+BOX = {"alpha": (SMOOTHEST, ROUGHEST), "degrees": (STEEPEST, FLATTEST)}
+
+implicit_beckmann = Equation(
+    key="validation.table2.implicit_beckmann",
+    title="Implicit masking over Beckmann shows too little from every side",
+    symbol=share,
+    equals=sp.Integer(1),
+    relation="<",
+    proof=_box_steps,
+    proved_by="sympy: the difference over 1 - cos theta_o in terms of a Lambda(a); its sign by balls over the whole box",
+    enclosed=lambda it: [balls.over(_implicit_box, **BOX)],
+    slides=(58,),
+    cite="hoffman2010",
+    note="The difference is divided by 1 - cos theta_o, so that its sign can be told close to normal incidence, where it is 0.",
+)
+schlick_beckmann = Equation(
+    key="validation.table2.schlick_smith_beckmann",
+    title="Schlick-Smith over Beckmann shows too little from every side",
+    symbol=share,
+    equals=sp.Integer(1),
+    relation="<",
+    proof=_box_steps,
+    proved_by="sympy: the difference over 1 - cos theta_o in terms of a Lambda(a); its sign by balls over the whole box",
+    enclosed=lambda it: [balls.over(_schlick_box, **BOX)],
+    slides=(58,),
+    cite="schlick1994",
+    note="For k = alpha sqrt(2/pi). The difference is divided by alpha (1 - cos theta_o) G_1/cos theta_o, which is positive.",
+)
+
+
+# --- crosses: Kelemen, the area of what is turned to the viewer -----------------------------------------------------------
+
+r, limit = sp.symbols("r limit", positive=True)  # length of a slope in units of alpha; where the edge of visibility cuts in
+turn = sp.Symbol("turn", real=True)
+FEW = 12  # digits that an integral needs to tell it from 1
+PART = 6  # Gaussian slopes beyond have less than 1e-15 of the area
+_AREA = sp.sqrt(1 + alpha**2 * r**2) * 2 * r * sp.exp(-(r**2))
+_RING = sp.sqrt(sp.cos(turn) ** 2 + alpha**2 * limit**2) / (sp.cos(turn) ** 2 + limit**2) ** 2 * 2 * limit**2 * sp.sin(turn)
+_SEEN = {
+    "beckmann_inside": sp.Integral(_AREA, (r, LOW, HIGH)),
+    "beckmann_outside": sp.Integral(_AREA * (1 - sp.acos(limit / r) / sp.pi), (r, LOW, HIGH)),
+    "ggx_inside": sp.Integral(2 * sp.sin(w) * sp.sqrt(sp.cos(w) ** 2 + alpha**2 * sp.sin(w) ** 2), (w, LOW, HIGH)),
+    "ggx_outside": sp.Integral(_RING * (1 - turn / sp.pi), (turn, LOW, HIGH)),
+}
+
+
+def _seen(part: str, alpha_: Ball, reach: Ball, low: Any, high: Any) -> Ball:
+    return _plain(_SEEN[part], alpha, limit, LOW, HIGH)(alpha_, reach, low, high)
+
+
+def _beckmann_seen(alpha: Ball, reach: Ball) -> Ball:
+    """Area of the facets turned to the viewer: all with slopes below `reach`, and of each ring beyond a share 1 - acos/pi."""
+    edge = reach.min(ball(PART))
+    rest = ball(-PART * PART).exp() * (1 + alpha * (PART + 1))
+    inside, outside = _seen("beckmann_inside", alpha, reach, 0, edge), ball(0)
+    if edge < PART:
+        outside = _seen("beckmann_outside", alpha, reach, edge, PART)
+    return inside + outside + rest.union(0)
+
+
+def _ggx_seen(alpha: Ball, reach: Ball) -> Ball:
+    """The same in r = tan w inside, r = reach/cos(turn) outside."""
+    half_turn = balls.pi() / 2
+    return _seen("ggx_inside", alpha, reach, 0, reach.atan()) + _seen("ggx_outside", alpha, reach, 0, half_turn)
+
+
+def _kelemen_box(seen: Callable[[Ball, Ball], Ball], alpha: Ball, degrees: Ball) -> Ball:
+    """Area grows with alpha, and what is seen of it falls with the angle and with the slopes' size: the ends bound it."""
+    cotangent = 1 / radians(degrees).tan()
+    with balls.precision(int(FEW * 3.33) + 20):
+        least = seen(alpha.lower(), cotangent.lower() / alpha.upper())
+        most = seen(alpha.upper(), cotangent.upper() / alpha.lower())
+        return least.union(most) - 1
+
+
+STEEP, GRAZING = (0.001, 45.0), (87.0, 89.999)  # degrees
+KELEMEN_ROUGH = (0.1, 0.9)
+
+
+def _cross(key: str, over: str, seen: Callable[[Ball, Ball], Ball], relation: str, angles: tuple[float, float]) -> Equation:
+    def enclosed(it: Equation) -> list[Enclosure]:
+        def residual(alpha: Ball, degrees: Ball) -> Ball:
+            return _kelemen_box(seen, alpha, degrees)
+
+        return [balls.over(residual, alpha=KELEMEN_ROUGH, degrees=angles)]
+
+    return Equation(
+        key=key,
+        title=f"Kelemen over {over} shows too {'much from above' if relation == '>' else 'little at grazing angles'}",
+        symbol=share,
+        equals=sp.Integer(1),
+        relation=relation,
+        enclosed=enclosed,
+        slides=(58,),
+        cite="kelemen2001",
+        note="What is seen is the area of the facets turned to the viewer. It falls with the angle: it is right at one.",
+    )
+
+
+_cross(
+    key="validation.table2.kelemen_beckmann_above",
+    over="Beckmann",
+    seen=_beckmann_seen,
+    relation=">",
+    angles=STEEP,
+)
+_cross(
+    key="validation.table2.kelemen_beckmann_grazing",
+    over="Beckmann",
+    seen=_beckmann_seen,
+    relation="<",
+    angles=GRAZING,
+)
+_cross(
+    key="validation.table2.kelemen_ggx_above",
+    over="GGX",
+    seen=_ggx_seen,
+    relation=">",
+    angles=STEEP,
+)
+_cross(
+    key="validation.table2.kelemen_ggx_grazing",
+    over="GGX",
+    seen=_ggx_seen,
+    relation="<",
+    angles=GRAZING,
+)
+
+
+# --- in words ---------------------------------------------------------------------------------------------------------------
+
+_ROUGH_BOX = rf"{SMOOTHEST:g} \le \alpha \le {ROUGHEST:g}"
+_KELEMEN = (
+    rf"right at one angle only: too much up to ${STEEP[1]:g}^\circ$, too little from ${GRAZING[0]:g}^\circ$,"
+    rf" for ${KELEMEN_ROUGH[0]:g} \le \alpha \le {KELEMEN_ROUGH[1]:g}$"
+)
+
+
+@dataclass(frozen=True)
+class Quantifier:
+    """For which parameters a tick or a cross of the tables is proved. words: Markdown. keys: the statements that prove it."""
+
+    verdict: str
+    words: str
+    keys: tuple[str, ...]
+
+
+def _passes(name: str) -> Quantifier:
+    keys = tuple(f"validation.table2.{name}_{family}" for family in FAMILIES)
+    return Quantifier("holds", "for every roughness and direction", keys)
+
+
+def quantifiers() -> Mapping[str, Quantifier]:
+    """By row of the tables: for which parameters the row's verdict is proved."""
+    table2 = "validation.table2."
+    return {
+        "Blinn-Phong": Quantifier("fails", r"for every $n$ but $n = 2 \pi - 2$", (phong.key,)),
+        "Blinn-Phong, normalised": Quantifier("holds", "for every $n$", (blinn_phong.normalized_projected_area.key,)),
+        "Ward": Quantifier("fails", "for every roughness", (ward_area.key,)),
+        "Beckmann": Quantifier("holds", "for every roughness", (beckmann.projected_area.key,)),
+        "GGX": Quantifier("holds", "for every roughness", (ggx.projected_area.key,)),
+        "Smith": _passes("smith"),
+        "V-cavities": _passes("v_cavity"),
+        "Implicit": Quantifier(
+            "fails",
+            rf"but at normal incidence: over Beckmann for ${_ROUGH_BOX}$, over GGX for every $\alpha \le \sqrt{{2}}$",
+            (implicit_beckmann.key, implicit_ggx.key),
+        ),
+        "Kelemen": Quantifier(
+            "fails",
+            _KELEMEN,
+            tuple(f"{table2}kelemen_{f}_{side}" for f in ("beckmann", "ggx") for side in ("above", "grazing")),
+        ),
+        "Schlick-Smith": Quantifier(
+            "fails",
+            rf"but at normal incidence: over Beckmann for ${_ROUGH_BOX}$, over GGX for every $\alpha \le 2 \sqrt{{2/\pi}}$",
+            (schlick_beckmann.key, schlick_ggx.key),
+        ),
+        "Schlick-Smith, halved": Quantifier(
+            "fails",
+            r"over GGX but at normal incidence, for every $\alpha \ne 1$; at $\alpha = 1$ it is Smith's",
+            (halved_ggx.key,),
+        ),
+    }

@@ -1,0 +1,143 @@
+"""The proofs of the two tables hold, agree with quadrature, and go red when anything in them is broken."""
+
+import math
+
+import microfacet as mf
+import numpy as np
+import pytest
+import sympy as sp
+from microfacet import balls, checks
+from microfacet.directions import spherical
+from microfacet.statement import equations
+from microfacet.validation import enclosure
+from microfacet.validation.equations import residuals
+from microfacet.validation.tables import table_of_distributions, table_of_masking
+
+pytest.importorskip("flint")
+KEYS = [key for key in equations if equations[key].enclosed]
+SLIGHTLY = sp.Rational(1000001, 1000000)
+
+
+@pytest.fixture(autouse=True)
+def forgotten():
+    """No compiled closed form outlives a test that changes it."""
+    yield
+    for cached in (enclosure._function, enclosure._integral, enclosure._plain):
+        cached.cache_clear()
+
+
+@pytest.mark.parametrize("key", [key for key in KEYS if callable(equations[key].enclosed)])
+def test_enclosed(key):
+    mark = checks.enclosed(equations[key])
+    assert mark.status == "pass", mark.detail
+    assert equations[key].relation != "=" or mark.measured["radius"] < 1e-25
+
+
+def breaking(monkeypatch, key, part="equals", factor=SLIGHTLY):
+    """Change one part of a statement in place."""
+    statement = equations[key]
+    changed = getattr(statement, part) * factor
+    monkeypatch.setitem(statement.__dict__, part, changed)
+    for cached in (enclosure._function, enclosure._integral, enclosure._plain):
+        cached.cache_clear()
+
+
+SMITH = "validation.table2.smith_"
+
+
+@pytest.mark.parametrize(
+    ("changed", "red"),
+    [
+        ("visibility.ggx.Lambda", SMITH + "ggx"),
+        ("visibility.beckmann.Lambda", SMITH + "beckmann"),
+        ("visibility.blinn_phong.Lambda", SMITH + "normalized_blinn_phong"),
+        ("visibility.blinn_phong.H", SMITH + "normalized_blinn_phong"),
+        ("visibility.ggx.Lambda", "visibility.masking.projected_area"),
+        ("geometry.ggx.P22", "geometry.ggx.projected_area"),
+        ("geometry.beckmann.P22", "geometry.beckmann.projected_area"),
+        ("geometry.ward.projected_area", "geometry.ward.projected_area"),
+        ("geometry.blinn_phong.projected_area", "geometry.blinn_phong.projected_area"),
+        ("validation.table1.blinn_phong", "validation.table1.blinn_phong"),
+        ("validation.table2.implicit_ggx", "validation.table2.implicit_ggx"),
+        ("validation.table2.schlick_smith_ggx", "validation.table2.schlick_smith_ggx"),
+        ("validation.table2.schlick_smith_halved_ggx", "validation.table2.schlick_smith_halved_ggx"),
+    ],
+)
+def test_a_closed_form_off_by_a_millionth_is_red(monkeypatch, changed, red):
+    breaking(monkeypatch, changed)
+    assert checks.enclosed(equations[red]).status == "fail"
+
+
+@pytest.mark.parametrize("family", ["BECKMANN", "GGX", "STUDENT"])
+@pytest.mark.parametrize("part", ["level", "tilted"])
+def test_a_broken_substitution_is_red(monkeypatch, family, part):
+    from dataclasses import replace
+
+    slopes = getattr(enclosure, family)
+    wrong = replace(slopes, **{part: -getattr(slopes, part)})
+    assert not all(map(checks.vanishes, wrong.steps()))
+    with balls.precision(160):
+        shape, angle = balls.ball(slopes.shapes[-2]), balls.ball(40)
+        assert not enclosure.smith_residual(wrong, shape, angle).contains(0)
+
+
+@pytest.mark.parametrize("key", [k for k in KEYS if equations[k].relation in "<>"])
+def test_the_opposite_inequality_is_red(monkeypatch, key):
+    statement = equations[key]
+    monkeypatch.setitem(statement.__dict__, "relation", "<" if statement.relation == ">" else ">")
+    assert checks.enclosed(statement).status == "fail"
+
+
+def test_a_box_that_holds_a_solution_is_red():
+    def right_at_a_third(x):
+        return x - balls.ball(1) / 3
+
+    assert not balls.over(right_at_a_third, x=(0, 1)).supports("<")
+    assert balls.over(right_at_a_third, x=(0.34, 1)).supports(">")
+    assert balls.over(right_at_a_third, x=(0.34, 1)).supports(r"\ne")
+
+
+def test_a_wide_ball_around_0_proves_nothing():
+    with balls.precision(64):
+        assert not balls.Enclosure("", balls.between(-1e-20, 1e-20)).supports("=")
+        assert balls.Enclosure("", balls.between(-1e-30, 1e-30)).supports("=")
+        assert not balls.Enclosure("", balls.ball(1) / 0).supports("=")
+        assert not balls.Enclosure("", balls.ball(1e-30)).supports("=")
+
+
+def test_crosses_agree_with_quadrature():
+    """What the tables prove is what the kernels compute: Implicit and Schlick-Smith over GGX, Kelemen over both."""
+    wo = spherical(np.radians([20.0, 70.0]))
+    for alpha in (0.3, 0.8):
+        ndf = mf.GGX(alpha)
+        named = {"implicit_ggx": mf.Implicit(ndf), "schlick_smith_halved_ggx": mf.SchlickSmith(ndf, alpha / 2)}
+        for name, model in named.items():
+            computed = residuals(model, wo)["visible_area"][0]
+            stated = equations[f"validation.table2.{name}"].equals
+            values = [balls.exact(stated, (enclosure.alpha, enclosure.mu_o))(alpha, mu) for mu in wo[:, 2]]
+            np.testing.assert_allclose(computed, [float(v) for v in values], atol=1e-11)
+    for seen, ndf in ((enclosure._beckmann_seen, mf.Beckmann(0.4)), (enclosure._ggx_seen, mf.GGX(0.4))):
+        computed = residuals(mf.Kelemen(ndf), wo)["visible_area"][0] + 1
+        with balls.precision(80):
+            exact = [float(seen(balls.ball(0.4), balls.ball(z / math.sqrt(1 - z * z) / 0.4))) for z in wo[:, 2]]
+        np.testing.assert_allclose(computed, exact, rtol=1e-7)
+
+
+def test_exact_cases():
+    """Blinn-Phong passes at one exponent; Schlick-Smith with k = alpha/2 is Smith over GGX at alpha = 1, and only there."""
+    assert sp.solve(enclosure.phong.equals.doit(), enclosure.n) == [2 * sp.pi - 2]
+    halved = enclosure.halved_ggx.equals.doit()
+    assert halved.subs(enclosure.alpha, 1) == 0
+    assert sp.simplify(halved.subs({enclosure.alpha: sp.Rational(1, 2), enclosure.mu_o: sp.Rational(1, 2)})) != 0
+    for key in ("implicit_ggx", "schlick_smith_ggx", "schlick_smith_halved_ggx"):
+        assert equations[f"validation.table2.{key}"].equals.doit().subs(enclosure.mu_o, 1) == 0
+
+
+@pytest.mark.slow
+def test_every_row_of_the_tables_has_its_quantifier():
+    stated = enclosure.quantifiers()
+    rows = {**table_of_distributions(), **table_of_masking()}
+    assert set(rows) == set(stated)
+    for name, row in rows.items():
+        assert row.physical == stated[name].verdict
+        assert all(equations[key].enclosed for key in stated[name].keys)
