@@ -55,6 +55,7 @@ LATEX: dict[sp.Symbol, str] = {
 
 FUNCTIONS: dict[str, str] = {
     "P2": "P_2",
+    "P22": "P_{22}",
     "Lambda_GGX": r"\Lambda",
     "Lambda_Beckmann": r"\Lambda",
     "Lambda_student": r"\Lambda",

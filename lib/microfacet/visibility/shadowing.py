@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import sympy as sp
 
 from microfacet import balls
-from microfacet.notation import G1, LATEX, Lambda_i, Lambda_o, phi, u
+from microfacet.notation import G1, LATEX, Lambda_i, Lambda_o, phi, raw, u
 from microfacet.statement import Equation
 
 OCCLUSION = (0, 1e4)
@@ -75,6 +77,123 @@ with sp.evaluate(False):
         symbol=stated("height_direction"),
         equals=1 / (1 + sp.Max(Lambda_o, Lambda_i) + blend * sp.Min(Lambda_o, Lambda_i)),
         over={Lambda_o: OCCLUSION, Lambda_i: OCCLUSION, blend: (0, 1)},
+        slides=(49, 50),
+        cite="heitz2014",
+    )
+
+
+# --- order, limits, reciprocity -----------------------------------------------------------------------------------------
+
+less, more = sp.symbols("less more", nonnegative=True)  # of two Lambdas the smaller, and what the other has in excess
+
+
+def _ordered(expression: Any) -> sp.Expr:
+    """With Lambda_o the smaller of the two: no loss, since every form here is symmetric."""
+    return sp.sympify(expression).doit().subs({Lambda_o: less, Lambda_i: less + more}, simultaneous=True)
+
+
+def _falls_short(lower: Any, upper: Any) -> list[Any]:
+    """lower <= upper, for 0 <= lambda <= 1 and any two Lambdas: over its denominator the difference has no negative term."""
+    rest = sp.Symbol("rest", nonnegative=True)
+    put = {blend: 1 / (1 + rest)}  # any lambda above 0; the difference is continuous at 0
+    above, below = sp.fraction(sp.together(_ordered(upper).subs(put) - _ordered(lower).subs(put)))
+    terms = [*sp.Poly(sp.expand(above), less, more, rest).coeffs(), *sp.Poly(sp.expand(below), less, more, rest).coeffs()]
+    return [sp.Integer(0 if all(term > 0 for term in terms) else 1)]
+
+
+with sp.evaluate(False):
+    _SMALLER = 1 / (1 + sp.Max(Lambda_o, Lambda_i))
+    smaller = Equation(
+        key="brdf.shadowing.smaller",
+        title="the smaller of both masking functions",
+        symbol=sp.Min(G1, G1_i),
+        equals=_SMALLER,
+        proof=lambda: [
+            sp.Max(less, less + more) - less - more,
+            *_falls_short(1 / (1 + Lambda_i), 1 / (1 + Lambda_o)),
+        ],
+        proved_by="sympy: the larger Lambda belongs to the smaller G1",
+        slides=(49, 50),
+        cite="heitz2014",
+    )
+    heights_help = Equation(
+        key="brdf.shadowing.height_above_separable",
+        title="correlation by height never shadows more than none",
+        symbol=separable.equals,
+        equals=height.equals,
+        relation=r"\le",
+        proof=lambda: _falls_short(separable.equals, height.equals),
+        proved_by="sympy: over the common denominator the difference is the product of both Lambdas",
+        slides=(49, 50),
+        cite="heitz2014",
+    )
+    direction_helps = Equation(
+        key="brdf.shadowing.height_direction_above_height",
+        title="correlation by direction as well never shadows more",
+        symbol=height.equals,
+        equals=height_direction.equals,
+        relation=r"\le",
+        proof=lambda: _falls_short(height.equals, height_direction.equals),
+        proved_by="sympy: over the common denominator the difference has no negative term",
+        slides=(49, 50),
+        cite="heitz2014",
+    )
+    bound = Equation(
+        key="brdf.shadowing.height_direction_bound",
+        title="light and viewer together see no more than the one that sees less",
+        symbol=height_direction.equals,
+        equals=sp.Min(G1, G1_i),
+        relation=r"\le",
+        proof=lambda: _falls_short(height_direction.equals, _SMALLER),
+        proved_by="sympy: over the common denominator the difference has no negative term",
+        slides=(49, 50),
+        cite="heitz2014",
+    )
+    direction_bound = Equation(
+        key="brdf.shadowing.direction_bound",
+        title="the same for correlation by direction",
+        symbol=direction.equals,
+        equals=sp.Min(G1, G1_i),
+        relation=r"\le",
+        proof=lambda: [*_falls_short(direction.equals, _SMALLER), *_falls_short(separable.equals, direction.equals)],
+        proved_by="sympy: over the common denominator the difference has no negative term; nor has that to the product of both",
+        slides=(49, 50),
+        cite="ashikhmin2000; heitz2014",
+    )
+    near = Equation(
+        key="brdf.shadowing.same_azimuth",
+        title="from the same azimuth, what one direction sees the other sees, or less",
+        symbol=raw("G2_near", r"\lim_{\lambda \to 0} G_2(\omega_o, \omega_i, \omega_m)"),
+        equals=sp.Min(G1, G1_i),
+        proof=lambda: [
+            correlation.equals.doit().subs(phi, 0),
+            *(form.equals.doit().subs(blend, 0) - _SMALLER.doit() for form in (direction, height_direction)),
+        ],
+        proved_by="sympy: lambda(0) = 0 put into both forms",
+        slides=(49, 50),
+        cite="ashikhmin2000; heitz2014",
+    )
+    far_direction = Equation(
+        key="brdf.shadowing.far_direction",
+        title="far apart, correlation by direction leaves masking and shadowing independent",
+        symbol=raw("G2_far_direction", r"\lim_{\lambda \to 1} G_2(\omega_o, \omega_i, \omega_m)"),
+        equals=separable.equals,
+        proof=lambda: [direction.equals.doit().subs(blend, 1) - separable.equals.doit()],
+        proved_by="sympy: lambda = 1 put in",
+        slides=(49, 50),
+        cite="ashikhmin2000",
+    )
+    far_heights = Equation(
+        key="brdf.shadowing.far_height_direction",
+        title="far apart, correlation by height is left",
+        symbol=raw("G2_far_heights", r"\lim_{\lambda \to 1} G_2(\omega_o, \omega_i, \omega_m)"),
+        equals=height.equals,
+        proof=lambda: [
+            sp.Max(less, less + more) - less - more,
+            _ordered(height_direction.equals).subs(blend, 1) - _ordered(height.equals),
+            sp.limit(correlation.equals.doit(), phi, sp.oo) - 1,
+        ],
+        proved_by="sympy: lambda = 1 put in, which it tends to as the azimuths part",
         slides=(49, 50),
         cite="heitz2014",
     )

@@ -11,16 +11,18 @@ import numpy as np
 import sympy as sp
 
 from microfacet import balls
+from microfacet.geometry import beckmann, ggx
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX, ROUGHNESS
 from microfacet.geometry.slopes import Distribution
-from microfacet.notation import P2, Lambda_o, alpha_x, alpha_y, chi, mu_o, om, q, raw, theta_o, u, wo
+from microfacet.notation import P2, Lambda_o, alpha, alpha_x, alpha_y, chi, mu_o, om, q, raw, theta_o, u, v, wo, y
 from microfacet.notation import alpha_o as roughness_o
 from microfacet.statement import Equation
 from microfacet.visibility import shadowing
 from microfacet.visibility.masking import Masking, hidden, seen
 from microfacet.visibility.visible_normals import sample_beckmann, sample_ggx
 
+HALF = sp.Rational(1, 2)
 CORRELATIONS = ("height", "none", "direction", "height-direction")
 
 # --- statements ---------------------------------------------------------------------------------------------------
@@ -46,7 +48,7 @@ with sp.evaluate(False):
         computed_as=wo.z / sp.sqrt((alpha_x * wo.x) ** 2 + (alpha_y * wo.y) ** 2),
         where={**wo.spherical, roughness_o: alpha_o.equals},
         over={wo: "hemisphere", alpha_x: ROUGHNESS, alpha_y: ROUGHNESS},
-        rewrite_proof=lambda: _argument_steps(),
+        rewrite_proof=lambda: argument_steps(),
         slides=(63, 71),
         cite="heitz2014",
     )
@@ -59,6 +61,29 @@ with sp.evaluate(False):
         proof=lambda: _projection_steps(),
         proved_by="sympy: a facet of slope q along the view projects to sin theta_o (cot theta_o - q)",
         slides=(39, 40),
+        cite="heitz2014",
+    )
+    facet = Equation(
+        key="visibility.smith.facet",
+        title="what a facet shows with its sign, per area of the plane below it",
+        symbol=raw("facet_shows", r"\frac{\omega_o \cdot \omega_m}{\omega_m \cdot \omega_g}"),
+        means=sp.cos(theta_o) - q * sp.sin(theta_o),
+        equals=sp.sin(theta_o) * (sp.cot(theta_o) - q),
+        proof=lambda: _facet_steps(),
+        proved_by="sympy: the view in the plane of the first axis, the facet by its slopes",
+        slides=(38, 39),
+        cite="heitz2014",
+    )
+    signed = Equation(
+        key="visibility.smith.signed",
+        title="with their signs, all facets project to the surface",
+        symbol=seen - hidden,
+        means=sp.Integral((sp.cos(theta_o) - q * sp.sin(theta_o)) * P2(q), (q, -sp.oo, sp.oo)),
+        equals=mu_o,
+        where={P2(q): beckmann.P2.equals, mu_o: sp.cos(theta_o)},
+        proof=lambda: _signed_steps(),
+        proved_by="sympy: P2 has the integral 1 and the mean 0, as Beckmann's and that of GGX",
+        slides=(38, 39),
         cite="heitz2014",
     )
     seen_area = Equation(
@@ -85,6 +110,20 @@ with sp.evaluate(False):
         slides=(39, 40, 58),
         cite="smith1967; heitz2014",
     )
+    survival = Equation(
+        key="visibility.smith.survival",
+        title="the chance that a facet is seen, given its height",
+        symbol=raw("chance_at_u", r"s(u)"),
+        means=sp.exp(-sp.Integral(Lambda_o / v, (v, u, 1))),
+        equals=u**Lambda_o,
+        proof=lambda: _survival_steps(),
+        proved_by="sympy: it solves ds/s = Lambda du/u and is 1 at the top",
+        enclosed=lambda it: balls.agreement(it.means, it.equals, (Lambda_o, u), [(0.25, 0.5), (1.0, 1e-6), (1e3, 0.9)]),
+        over={Lambda_o: (0, 100), u: (0.01, 1)},
+        slides=(39, 40),
+        cite="smith1967; heitz2014",
+        note="u is the share of the surface that lies lower than the facet.",
+    )
     heights = Equation(
         key="visibility.smith.heights",
         title="Smith's masking function, averaged over heights",
@@ -99,12 +138,35 @@ with sp.evaluate(False):
     )
 
 
+def _facet_steps() -> list[Any]:
+    """A view in the plane of the first axis; the facet's normal is (-q, -y, 1) over its length, which cancels."""
+    view, normal = sp.Matrix([sp.sin(theta_o), 0, sp.cos(theta_o)]), sp.Matrix([-q, -y, 1])
+    shown = view.dot(normal) / normal[2]
+    return [shown - (sp.cos(theta_o) - q * sp.sin(theta_o)), shown - sp.sin(theta_o) * (1 / sp.tan(theta_o) - q)]
+
+
+def _signed_steps() -> list[Any]:
+    """For each family: P2 is even, so that its mean is 0, and has an antiderivative that rises from -1/2 to 1/2."""
+    rises = {beckmann: sp.erf(q / alpha) / 2, ggx: q / (2 * sp.sqrt(alpha**2 + q**2))}
+    steps: list[Any] = []
+    for family, rise in rises.items():
+        density = family.P2.equals.doit()
+        steps += [density - density.subs(q, -q), sp.diff(rise, q) - density]
+        steps += [sp.limit(rise.subs(alpha, 1), q, end) - half for end, half in ((sp.oo, HALF), (-sp.oo, -HALF))]
+    return steps
+
+
+def _survival_steps() -> list[Any]:
+    stated = u**Lambda_o
+    return [sp.diff(stated, u) / stated - Lambda_o / u, stated.subs(u, 1) - 1]
+
+
 def _alpha_steps() -> list[Any]:
     """Squares of both sides, both positive."""
     return [(sp.cos(wo.phi) ** 2 * alpha_x**2 + sp.sin(wo.phi) ** 2 * alpha_y**2) - _stretched_square() / sp.sin(wo.theta) ** 2]
 
 
-def _argument_steps() -> list[Any]:
+def argument_steps() -> list[Any]:
     """alpha_o tan theta_o squared is what stands under the root, over cos^2 theta_o."""
     alpha_squared = sp.cos(wo.phi) ** 2 * alpha_x**2 + sp.sin(wo.phi) ** 2 * alpha_y**2
     return [alpha_squared * sp.tan(wo.theta) ** 2 - _stretched_square() / sp.cos(wo.theta) ** 2]

@@ -6,37 +6,82 @@ from typing import Any
 
 import sympy as sp
 
-from microfacet.notation import chi, gm, im, mu_i, mu_o, om, raw
+from microfacet.notation import chi, gm, im, mu_i, mu_o, om, raw, wm, wo
 from microfacet.statement import Equation
 from microfacet.visibility.masking import Masking, nothing
 
-opposite = sp.Symbol("opposite", real=True)  # wo.wm' for the facet on the other side of the cavity
+facing = raw("o_dot_m", r"\left( \omega_o \cdot \omega_m \right)", real=True)
+opposite = raw("o_dot_opposite", r"\left( \omega_o \cdot \omega_m' \right)", real=True)
+up, normal = raw("g_vector", r"\omega_g"), raw("m_vector", r"\omega_m")
+
+
+def _vectors() -> tuple[sp.Matrix, sp.Matrix, sp.Matrix]:
+    """The view, a normal, and the normal of the other side, for any view and any normal."""
+    o, m = sp.Matrix(wo.components), sp.Matrix(wm.components)
+    z = sp.Matrix([0, 0, 1])
+    return o, m, 2 * m.dot(z) * z - m
+
+
+def _mirror_steps() -> list[Any]:
+    """The other side has the same height over the plane, the opposite slopes, and the same length."""
+    _, m, other = _vectors()
+    return [other[2] - m[2], other[0] + m[0], other[1] + m[1], sp.expand(other.dot(other) - m.dot(m))]
+
+
+def _opening_steps() -> list[Any]:
+    """Each side covers half of the opening, so has the area 1/(2 m_z)."""
+    o, m, other = _vectors()
+    return [1 / (2 * m[2]) * m[2] + 1 / (2 * other[2]) * other[2] - 1, (o.dot(m) + o.dot(other)) / (2 * m[2]) - o[2]]
 
 
 def _cavity_steps() -> list[Any]:
-    """A cavity of two facets, normals m and m' mirrored at z, each of area 1/(2 m_z).
-
-    The opening projects to cos_o. Both project to (wo.wm + wo.wm')/(2 m_z) = cos_o: nothing is masked while both are turned
-    to the viewer. If m' is turned away, only m is seen, and of its projected area wo.wm/(2 m_z) only cos_o is left.
-    """
-    theta, angle = sp.symbols("theta angle", real=True)
-    towards = sp.cos(theta - angle)  # viewer at theta, facet tilted by angle, in the plane of the cavity
-    away = sp.cos(theta + angle)
-    share = 2 * sp.cos(angle) * sp.cos(theta) / towards
-    return [
-        (towards + away) / (2 * sp.cos(angle)) - sp.cos(theta),
-        share * towards / (2 * sp.cos(angle)) - sp.cos(theta),
-    ]
+    """One side alone fills the opening with this share of itself; below 1 just where the other is turned away."""
+    o, m, other = _vectors()
+    share = one_side.doit().subs({gm: m[2], mu_o: o[2], om: o.dot(m)}, simultaneous=True)
+    return [share * o.dot(m) / (2 * m[2]) - o[2], (share - 1) - o.dot(other) / o.dot(m)]
 
 
 with sp.evaluate(False):
+    one_side = 2 * gm * mu_o / om
+    other_side = Equation(
+        key="visibility.v_cavity.opposite",
+        title="the normal of the other side of a V-cavity",
+        symbol=raw("m_opposite", r"\omega_m'"),
+        equals=2 * gm * up - normal,
+        proof=_mirror_steps,
+        proved_by="sympy: the same height, the opposite slopes",
+        slides=(58,),
+        cite="torrance1967; cook1982",
+    )
+    opening = Equation(
+        key="visibility.v_cavity.opening",
+        title="both sides of a V-cavity project to its opening",
+        symbol=(facing + opposite) / (2 * gm),
+        equals=mu_o,
+        proof=_opening_steps,
+        proved_by="sympy: vectors put in, for any view and any normal",
+        slides=(39, 40, 58),
+        cite="cook1982; heitz2014",
+        note="Each side covers half of an opening of area 1.",
+    )
+    turning = Equation(
+        key="visibility.v_cavity.share",
+        title="the share of one side that fills the opening, and when it is below 1",
+        symbol=2 * gm * mu_o / facing,
+        equals=1 + opposite / facing,
+        proof=_cavity_steps,
+        proved_by="sympy: vectors put in, for any view and any normal",
+        slides=(39, 40, 58),
+        cite="cook1982; heitz2014",
+        note="Below 1 just where the other side is turned away.",
+    )
     G1 = Equation(
         key="visibility.v_cavity.G1",
         title="masking in a V-cavity",
         symbol=raw("G1_v_cavity", r"G_1(\omega_o, \omega_m)"),
-        equals=chi(om) * sp.Min(1, 2 * gm * mu_o / om),
+        equals=chi(om) * sp.Min(1, one_side),
         over={om: (1e-6, 1), gm: (0, 1), mu_o: (1e-8, 1)},
-        proof=_cavity_steps,
+        proof=lambda: [*_opening_steps(), *_cavity_steps()],
         proved_by="sympy: projected areas of the two facets of one cavity",
         slides=(58,),
         cite="cook1982; heitz2014",
