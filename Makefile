@@ -1,4 +1,4 @@
-# make report   build/report.pdf, with all it needs installed into .venv from requirements.lock
+# make report   build/report.pdf and build/report.html, with all it needs installed into .venv from requirements.lock
 # make test     the tests
 # make lint     style, types, direction of imports
 #

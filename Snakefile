@@ -28,6 +28,7 @@ CHAPTERS = inventory.chapters()
 wildcard_constraints:
     key=r"[\w.]+",
     name=r"\w+",
+    form=r"pdf|html",
     chapter=r"\w+",
 
 
@@ -38,6 +39,7 @@ localrules:
 rule all:
     input:
         "build/report.pdf",
+        "build/report.html",
         expand("build/figures/{name}.svg", name=FIGURES),
 
 
@@ -85,7 +87,7 @@ rule gate:
     conda:
         "environment.yml"
     shell:
-        "python workflow/ledger.py gate {input} {output} build/report.pdf 2> {log}"
+        "python workflow/ledger.py gate {input} {output} build/report.pdf build/report.html 2> {log}"
 
 
 rule data:
@@ -160,13 +162,13 @@ rule report:
         figures=expand("build/figures/{name}.svg", name=build.figures_in_chapters()),
         works="chapters/references.bib",
         title="CITATION.cff",
-        tools=["workflow/report.py", "workflow/template.typ"],
+        tools=lambda wildcards: build.report_tools(wildcards.form),
     output:
-        report("build/report.pdf", category="Report"),
+        report("build/report.{form}", category="Report"),
     params:
         source=build.source_options(),
     log:
-        "build/logs/report.log",
+        "build/logs/report.{form}.log",
     message:
         "report   {output}"
     conda:
@@ -183,4 +185,5 @@ onstart:
 
 
 onerror:
-    Path("build/report.pdf").unlink(missing_ok=True)
+    for form in ("pdf", "html"):
+        Path(f"build/report.{form}").unlink(missing_ok=True)

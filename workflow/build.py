@@ -131,5 +131,11 @@ def chapter_names(stem: str) -> str:
     return digest([latex, captions])
 
 
+def report_tools(form: str) -> list[str]:
+    """What sets the report: its script, and what the templates read for this form."""
+    shared = ["report.py", "web.py", "template.typ", "shared.typ", "page.typ", "web.typ"]
+    return [f"workflow/{name}" for name in shared + (["web.css", "web.js"] if form == "html" else [])]
+
+
 def source_options() -> str:
     return " ".join(f"--{name}={shlex.quote(value)}" for name, value in provenance.provenance().items())

@@ -179,7 +179,7 @@ function Figure(figure)
   local call = string.format("#picture(%s, %s, %s, slides: (%s), width: %s, place: %s, alt: %s)",
     quoted("/" .. image.src), content(title), content(rest),
     (image.attributes.slides or ""):gsub("[%d]+$", "%0,"), share(image.attributes.width),
-    place_of(image), quoted(pandoc.utils.stringify(figure.caption.long)))
+    place_of(image), quoted(pandoc.utils.stringify(#title > 0 and title or caption)))
   return pandoc.RawBlock("typst", call .. (label ~= "" and " <" .. label .. ">" or ""))
 end
 

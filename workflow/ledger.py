@@ -51,12 +51,13 @@ def complaint(entry: dict[str, Any]) -> str:
     return "\n".join(line for line in lines if line.strip())
 
 
-def gate(ledger: Path, out: Path, report: Path) -> None:
-    """Pass, or name every failed statement and take away the report that is no longer true."""
+def gate(ledger: Path, out: Path, *reports: Path) -> None:
+    """Pass, or name every failed statement and take away the reports that are no longer true."""
     entries = json.loads(ledger.read_text("utf-8"))["entries"]
     failed = [entry for entry in entries if entry["verdict"] != "pass"]
     if failed:
-        report.unlink(missing_ok=True)
+        for report in reports:
+            report.unlink(missing_ok=True)
         head = f"No report: {len(failed)} of {len(entries)} statements failed their checks."
         inventory.stop("\n".join([head, *map(complaint, failed)]))
     inventory.write_atomically(out, f"{len(entries)} statements passed\n")

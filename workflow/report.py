@@ -1,6 +1,7 @@
-"""The report: all chapters in order, set by the template, as one PDF.
+"""The report: all chapters in order, set by the template, as one PDF or as one HTML file that fetches nothing.
 
 python workflow/report.py build/report.pdf --version 1.0 --commit abc --tree clean
+python workflow/report.py build/report.html --version 1.0 --commit abc --tree clean
 """
 
 from __future__ import annotations
@@ -10,8 +11,10 @@ import json
 import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import Any
 
 import inventory
+import web
 import yaml
 
 BUILD = Path("build")
@@ -19,6 +22,7 @@ WORKS = Path("chapters/references.bib")
 ABSTRACT = "abstract"
 LABEL = re.compile(r"<((?:eq|fig|tbl|sec):[^>\s]+)>")
 REFERENCE = re.compile(r'#refer(?:-bare)?\(label\("([^"]+)"\)\)')
+EXPERIMENTAL = "html export is under active development"
 CITATION = re.compile(r"#cite\(<([^>]+)>|(?<![\w\\.])@([A-Za-z](?:[\w:-]*\w)?)")
 
 
@@ -47,6 +51,10 @@ def loose_ends(texts: dict[str, str], known_works: list[str]) -> Iterator[str]:
             yield f"chapters/{stem}.md: {sentence}"
 
 
+def labels(texts: dict[str, str]) -> list[str]:
+    return [label for text in texts.values() for label in LABEL.findall(text)]
+
+
 def missing(kind: str, names: list[str], known: Iterable[str]) -> list[str]:
     known = set(known)
     return [inventory.unknown(kind, name, known) for name in dict.fromkeys(names) if name not in known]
@@ -65,26 +73,37 @@ def facts(options: argparse.Namespace) -> dict[str, object]:
     }
 
 
-def main_file(stems: list[str]) -> str:
-    """The Typst file that includes the chapters; appendices begin on a page of their own."""
+def medium_of(out: Path) -> str:
+    """What the template is to make, by the ending of the file."""
+    return "web" if out.suffix == ".html" else "page"
+
+
+def main_file(stems: list[str], medium: str) -> str:
+    """The Typst file that includes the chapters; on paper, appendices begin on a page of their own."""
     lines = ['#import "/workflow/template.typ": *']
     abstract = BUILD / "chapters" / f"{ABSTRACT}.typ"
     argument = f'abstract: include "/{abstract}"' if abstract.is_file() else ""
     lines.append(f"#show: report.with({argument})")
     for stem in stems:
-        lines += ["#pagebreak(weak: true)"] if stem[0].isalpha() else []
+        lines += ["#pagebreak(weak: true)"] if medium == "page" and stem[0].isalpha() else []
         lines.append(f'#include "/build/chapters/{stem}.typ"')
     return "\n".join(lines) + "\n"
 
 
-def typeset(main: Path, out: Path) -> None:
+def typeset(source: Path, medium: str) -> bytes:
+    """The report in its bytes. What Typst would leave out of the web page, or cannot find, stops the build."""
     import typst
 
+    form: Any = {"page": "pdf", "web": "html"}[medium]
+    options: Any = {"root": ".", "format": form, "ignore_system_fonts": True, "sys_inputs": {"medium": medium}}
     try:
-        pdf = typst.compile(str(main), root=".", ignore_system_fonts=True)
+        made, warnings = typst.compile_with_warnings(str(source), **options)
     except typst.TypstError as error:
         inventory.stop(f"Typst could not set the report:\n{error.diagnostic}")
-    inventory.write_atomically(out, pdf)
+    told = [warning.diagnostic for warning in warnings if EXPERIMENTAL not in warning.message]
+    if told:
+        inventory.stop("Typst set the report with doubts:\n" + "\n".join(told))
+    return web.finished(made) if medium == "web" else made
 
 
 def parse() -> argparse.Namespace:
@@ -102,8 +121,14 @@ def main() -> None:
     if faults:
         inventory.stop("\n".join(faults))
     inventory.write_atomically(BUILD / "report.json", json.dumps(facts(options), indent=1, ensure_ascii=False))
-    inventory.write_atomically(BUILD / "report.typ", main_file(list(texts)))
-    typeset(BUILD / "report.typ", options.out)
+    medium = medium_of(options.out)
+    source = BUILD / f"{medium}.typ"
+    inventory.write_atomically(source, main_file(list(texts), medium))
+    made = typeset(source, medium)
+    faults = list(web.faults(made.decode(), labels(texts))) if medium == "web" else []
+    if faults:
+        inventory.stop("\n".join(faults))
+    inventory.write_atomically(options.out, made)
 
 
 if __name__ == "__main__":

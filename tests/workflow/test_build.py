@@ -12,7 +12,8 @@ import time
 import pytest
 from checkout import Checkout
 
-PDF = "build/report.pdf"
+PDF, HTML = "build/report.pdf", "build/report.html"
+PAGES = {f"report {PDF}", f"report {HTML}"}
 STATEMENTS = "lib/microfacet/statement.py"
 
 pytestmark = pytest.mark.xdist_group("build")
@@ -26,6 +27,7 @@ def change_kernel(checkout: Checkout, kernel: str) -> None:
 
 def test_the_report_is_there_and_nothing_is_left_to_do(built: Checkout) -> None:
     assert built.path(PDF).read_bytes().startswith(b"%PDF")
+    assert built.path(HTML).read_bytes().startswith(b"<!DOCTYPE html>")
     assert "Nothing to be done" in built.snakemake("-n").stdout
 
 
@@ -35,23 +37,28 @@ def test_lint_is_clean(built: Checkout) -> None:
 
 def test_an_edited_drawing_redoes_itself_and_the_pages_only(built: Checkout) -> None:
     built.edit("figures/visibility/masking.py", "figsize=(6, 2.5)", "figsize=(6, 2.6)")
-    assert built.jobs() == {"figure masking", f"report {PDF}"}
+    assert built.jobs() == {"figure masking"} | PAGES
+
+
+def test_an_edited_look_of_the_web_page_leaves_the_paper_alone(built: Checkout) -> None:
+    built.edit("workflow/web.css", "color-scheme: light dark;", "color-scheme: light dark; /* both */")
+    assert built.jobs() == {f"report {HTML}"}
 
 
 def test_an_edited_caption_redoes_its_chapter_too(built: Checkout) -> None:
     built.edit("figures/visibility/masking.py", "over the angle", "against the angle")
-    assert built.jobs() == {"figure masking", "chapter 1_visibility", f"report {PDF}"}
+    assert built.jobs() == {"figure masking", "chapter 1_visibility"} | PAGES
 
 
 def test_an_edited_kernel_redoes_its_own_check_only(built: Checkout) -> None:
     change_kernel(built, "a * 1")
-    assert built.jobs() == {"check visibility.G1", "ledger build/ledger.json", "gate no statement may have failed",
-                            f"report {PDF}"}  # fmt: skip
+    gate = {"check visibility.G1", "ledger build/ledger.json", "gate no statement may have failed"}
+    assert built.jobs() == gate | PAGES
 
 
 def test_an_edit_in_the_library_redoes_what_imports_it(built: Checkout) -> None:
     built.edit("lib/microfacet/geometry/ggx.py", "alpha * alpha", "alpha**2")
-    assert built.jobs() == {"figure masking", f"report {PDF}"}
+    assert built.jobs() == {"figure masking"} | PAGES
 
 
 def test_a_failing_check_stops_the_report_but_not_the_figures(built: Checkout) -> None:
@@ -63,6 +70,7 @@ def test_a_failing_check_stops_the_report_but_not_the_figures(built: Checkout) -
     assert "visibility.G1" in done.stdout
     assert "off by 1.0e+00" in done.stdout
     assert not built.path(PDF).exists()
+    assert not built.path(HTML).exists()
     assert built.path("build/figures/plain.svg").exists()
     change_kernel(built, "a")
     assert built.snakemake().returncode == 0
@@ -116,7 +124,7 @@ def test_two_checkouts_give_the_same_bytes(built: Checkout, small: Checkout) -> 
     for name in ("lib", "figures", "chapters"):
         subprocess.run(["cp", "-R", str(built.path(name)), str(small.root)], check=True)
     assert small.snakemake().returncode == 0
-    for name in (PDF, "build/figures/masking.svg", "build/figures/masking.pdf", "build/figures/masking.png"):
+    for name in (PDF, HTML, "build/figures/masking.svg", "build/figures/masking.pdf", "build/figures/masking.png"):
         assert small.path(name).read_bytes() == built.path(name).read_bytes(), name
 
 
