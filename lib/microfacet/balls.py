@@ -23,6 +23,7 @@ Evaluator = Callable[[Scope, bool], Ball]
 
 DIGITS = 50
 START, LARGEST = 224, 1 << 17  # bits of working precision
+EVALUATIONS = 200000  # of an integrand, at most
 
 
 class NoBall(TypeError):
@@ -94,7 +95,10 @@ def precision(bits: int) -> Any:
 
 def evaluator(expression: Any, arguments: Sequence[sp.Symbol]) -> Callable[..., Ball]:
     """The expression as a function of balls, at the precision that is set when it is called."""
-    compiled = _compile(sp.sympify(expression))
+    whole = sp.sympify(expression)
+    if missing := whole.free_symbols - set(arguments):
+        raise NoBall(f"no value for {', '.join(sorted(map(str, missing)))} in {whole}")
+    compiled = _compile(whole)
 
     def evaluate(*values: Any) -> Ball:
         return compiled(dict(zip(arguments, map(ball, values), strict=True)), False)
@@ -134,7 +138,7 @@ def integral(function: Callable[[Ball, bool], Ball], low: Any, high: Any, digits
         acb(ball(high)),
         rel_tol=goal,
         abs_tol=goal**8,
-        eval_limit=200000,
+        eval_limit=EVALUATIONS,
     )
     return found.real
 
@@ -440,10 +444,8 @@ def at(residual: Callable[..., Ball], points: Sequence[Mapping[str, Any]]) -> li
 def agreement(form: Any, closed: Any, symbols: Sequence[sp.Symbol], points: Sequence[Sequence[Any]]) -> list[Enclosure]:
     """The form over the closed form, less 1, at each of the points. `SHARE` in the form may be any number from 0 to 1."""
     ratio = evaluator(sp.sympify(form) / sp.sympify(closed) - 1, (*symbols, SHARE))
-    with precision(ENCLOSING):
-        return [
-            Enclosure(named(dict(zip(map(str, symbols), point, strict=True))), ratio(*point, between(0, 1))) for point in points
-        ]
+    names = list(map(str, symbols))
+    return at(lambda **point: ratio(*point.values(), between(0, 1)), [dict(zip(names, p, strict=True)) for p in points])
 
 
 SHARE = sp.Symbol("share_of_the_tail")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import itertools
 import math
 import zlib
@@ -61,7 +62,7 @@ def check(equation: Equation) -> Record:
 
 
 def vanishes(expression: Any) -> bool:
-    """Whether sympy proves the expression to be zero."""
+    """Whether sympy proves the expression to be zero; what is not zero somewhere is refused without a try."""
     attempts: tuple[Callable[[Any], Any], ...] = (
         lambda e: e,
         _on_circles,
@@ -70,8 +71,29 @@ def vanishes(expression: Any) -> bool:
         lambda e: sp.simplify(sp.radsimp(e)),
         lambda e: sp.simplify(sp.expand(sp.expand_trig(e))),
     )
-    value = expand_abbreviations(sp.sympify(expression)).doit()
+    value = expand_abbreviations(sp.sympify(expression))
+    if disproved(value):
+        return False
+    value = value.doit()
     return any(attempt(value) == 0 for attempt in attempts)
+
+
+def disproved(expression: Any) -> bool:
+    """Whether the expression is proved to differ from 0 at a random point: its ball there excludes 0."""
+    symbols = sorted(expression.free_symbols, key=str)
+    if not balls.available() or expression.has(sp.Integral):
+        return False
+    try:
+        value = balls.evaluator(expression, symbols)
+    except balls.NoBall:
+        return False
+    random = np.random.default_rng(0)
+    with balls.precision(4 * AGREE):
+        for low, high in ((0.1, 0.9), (0.1, 0.9), (1.6, 3.0)):
+            found = value(*map(float, random.uniform(low, high, len(symbols))))
+            if found.is_finite() and not found.contains(0):
+                return True
+    return False
 
 
 def _on_circles(expression: Any) -> Any:
@@ -93,16 +115,26 @@ def _on_circles(expression: Any) -> Any:
 def _claims(equation: Equation) -> Iterable[tuple[str, Any]]:
     """What has to vanish: definition against closed form, closed form against stable rewrite."""
     if equation.proof is not None:
-        for k, claim in enumerate(equation.proof(), 1):
+        for k, claim in enumerate(_steps(equation.proof, equation), 1):
             yield f"step {k} of the proof", claim
     elif equation.means is not None and equation.equals is not None and equation.relation == "=":
         yield "closed form = definition", (equation.means - equation.equals).subs(equation.where)
     if equation.rewrite_proof is not None:
-        for k, claim in enumerate(equation.rewrite_proof(), 1):
+        for k, claim in enumerate(_steps(equation.rewrite_proof, equation), 1):
             yield f"step {k} of the rewrite", claim
     elif equation.computed_as is not None:
         stated = equation.equals if equation.equals is not None else equation.means
         yield "stable rewrite = closed form", equation.computed_as.subs(equation.where) - stated.subs(equation.where)
+
+
+def _steps(proof: Callable[..., Sequence[Any]], equation: Equation) -> Sequence[Any]:
+    """The claims of a proof; one that takes an argument is given the statement."""
+    return proof(equation) if looks(proof) else proof()
+
+
+def looks(proof: Callable[..., Any]) -> bool:
+    """Whether a proof wants to see the statement."""
+    return any(parameter.default is parameter.empty for parameter in inspect.signature(proof).parameters.values())
 
 
 def symbolic(equation: Equation) -> Mark:

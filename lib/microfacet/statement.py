@@ -42,7 +42,7 @@ class Equation:
     within: the promised error of the kernel in ulps, (double, single).
     where: what arguments, and symbols that other statements define, stand for in printed symbols.
     relation: "=" or, for a bound, "<", ">", r"\\le" or r"\\ge", or r"\\ne".
-    proof: gives the expressions that sympy must find to be zero, in place of the default (means - equals);
+    proof: gives, perhaps from the statement, the expressions that sympy must find to be zero, in place of (means - equals);
     rewrite_proof: likewise in place of (computed_as - equals). proved_by: how, in words.
     enclosed: from the statement, proved balls that hold its left side minus its right; or the keys of statements that do.
     slides: where in the talk. cite: BibTeX key and equation. note: what a reader should know.
@@ -59,8 +59,8 @@ class Equation:
     within: Ulps = (8.0, 8.0)
     where: Mapping[Any, Any] = field(default_factory=dict)
     relation: str = "="
-    proof: Callable[[], Sequence[Any]] | None = None
-    rewrite_proof: Callable[[], Sequence[Any]] | None = None
+    proof: Callable[..., Sequence[Any]] | None = None
+    rewrite_proof: Callable[..., Sequence[Any]] | None = None
     proved_by: str = ""
     enclosed: Callable[[Any], Sequence[balls.Enclosure]] | tuple[str, ...] = ()
     slides: tuple[int, ...] = ()

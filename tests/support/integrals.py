@@ -1,0 +1,49 @@
+"""Integrals of statements by quadrature, which knows nothing of any proof."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import mpmath
+import numpy as np
+import sympy as sp
+from microfacet.statement import Equation, expand_abbreviations
+
+SAME = 1e-10  # relative
+
+
+def stands_for_integrals(equation: Equation) -> bool:
+    """Whether the definition has integrals over one variable; those over the plane of slopes are tests/geometry's."""
+    if equation.means is None or equation.equals is None:
+        return False
+    return max((len(i.limits) for i in sp.sympify(equation.means).atoms(sp.Integral)), default=0) == 1
+
+
+def integral_differs(equation: Equation, count: int = 2, digits: int = 20) -> str:
+    """A sentence if the definition is not the closed form at some random arguments, else nothing."""
+    means, equals = (expand_abbreviations(form).subs(equation.where) for form in (equation.means, equation.equals))
+    symbols = sorted(means.free_symbols | equals.free_symbols, key=str)
+    random = np.random.default_rng(7)
+    for _ in range(count):
+        at = {s: sp.Float(0.3 + float(random.random()), 30) for s in symbols}
+        here, there = complex(numerically(means.subs(at), digits)), complex(equals.subs(at).evalf(25))
+        if not abs(here - there) <= SAME * abs(there):
+            return f"the integral is {here}, not {there}, at {at}"
+    return ""
+
+
+def numerically(form: Any, digits: int = 20) -> Any:
+    """Every integral in the form by mpmath; what surrounds it by sympy."""
+    return form.replace(lambda e: isinstance(e, sp.Integral), lambda e: quadrature(e, digits)).evalf(digits)
+
+
+def quadrature(integral: sp.Integral, digits: int = 20) -> sp.Float:
+    variables = [limit[0] for limit in integral.limits]
+    function = sp.lambdify(variables, integral.function, "mpmath")
+    ends = [[_end(low), *([0] if low == -sp.oo else []), _end(high)] for _, low, high in integral.limits]
+    with mpmath.workdps(digits):
+        return sp.sympify(mpmath.quad(function, *ends))
+
+
+def _end(value: Any) -> Any:
+    return mpmath.inf if value == sp.oo else -mpmath.inf if value == -sp.oo else mpmath.mpf(str(sp.N(value, 25)))
