@@ -16,6 +16,7 @@ sys.path.insert(0, "workflow")
 sys.path.insert(1, "lib")
 
 import build  # noqa: E402
+import campaign  # noqa: E402
 import closure  # noqa: E402
 import inventory  # noqa: E402
 
@@ -94,6 +95,7 @@ rule data:
     input:
         script=lambda wildcards: build.figure(wildcards.name).data_script,
         imports=lambda wildcards: build.imports(build.figure(wildcards.name).data_script),
+        measured=lambda wildcards: campaign.gathered(build.figure(wildcards.name).data_script),
     output:
         "build/data/{name}.npz",
     log:
@@ -177,6 +179,7 @@ rule report:
         "python workflow/report.py {output} {params.source} 2> {log}"
 
 
+include: "workflow/campaign.smk"
 include: "workflow/targets.smk"
 
 

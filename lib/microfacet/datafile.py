@@ -22,9 +22,9 @@ def store(path: str, **arrays: ArrayLike) -> None:
     os.replace(part, target)
 
 
-def load(path: str) -> dict[str, NDArray[Any]]:
+def load(path: str, made_in: str = "build/data") -> dict[str, NDArray[Any]]:
     """Read the arrays that ``store`` wrote; a missing or torn file ends the program with one sentence."""
-    remedy = f"run `snakemake build/data/{Path(path).stem}.npz` to make it"
+    remedy = f"run `snakemake {made_in}/{Path(path).stem}.npz` to make it"
     try:
         with np.load(path, allow_pickle=False) as file:
             return {name: file[name] for name in file.files}

@@ -32,6 +32,7 @@ __all__ = [
     "box",
     "canvas",
     "ground",
+    "hemisphere",
     "label",
     "load",
     "overlaps",
@@ -143,6 +144,21 @@ def pieces(ax: Axes, ends: Array, colours: Sequence[str], **style: Any) -> None:
     for (start, stop), colour in zip(ends, colours, strict=True):
         if np.any(start != stop):
             ax.plot([start[0], stop[0]], [start[1], stop[1]], **(look | {"color": colour} | style))
+
+
+def hemisphere(ax: Axes, theta: Array, phi: Array, values: Array, top: float, levels: int = 15) -> None:
+    """Filled contours, from 0 to ``top``, of values (t, p) in bins with the edges ``theta`` and ``phi``, radians.
+
+    The rim is the horizon and the view, at azimuth 0, is on the left; equal areas are equal solid angles.
+    """
+    rows, turn = ((edges[1:] + edges[:-1]) / 2 for edges in (theta, phi))
+    radius = np.sqrt(2) * np.sin(np.r_[0, rows, np.pi / 2] / 2)[:, None]
+    filled = np.vstack([np.full(len(turn), values[0].mean()), values, values[-1]])
+    turn, filled = np.r_[turn, turn[0] + 2 * np.pi], np.hstack([filled, filled[:, :1]])
+    ax.contourf(-radius * np.cos(turn), radius * np.sin(turn), np.clip(filled, 0, top), np.linspace(0, top, levels + 1))
+    around = np.linspace(0, 2 * np.pi, 181)
+    ax.plot(np.cos(around), np.sin(around), color=COLOURS["grey"], linestyle="-", linewidth=0.6)
+    scene(ax, x=(-1.05, 1.05), z=(-1.05, 1.05))
 
 
 def overlaps(figure: Figure) -> list[str]:

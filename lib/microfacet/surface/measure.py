@@ -12,7 +12,7 @@ Azimuths are relative to the view's, whose azimuth is 0 if it is vertical. Array
                                 the plane, by slope along the view in units of alpha_o; see `Plan.slopes`
     normals          (s, s)     share of the view taken by each slope, in units of (alpha_x, alpha_y)
     facing, lit      (t, p)     share of the view turned to wi, and lit by it, for each wi; see `Plan.lights`
-    lobe             (b, t, p)  share of the light that leaves after 1, 2, ... reflections into each bin of directions
+    lobe             (2, t, p)  share of the light that leaves into each bin of directions after one reflection, and after more
     escaped          (b,)       share of the light that leaves after 1, 2, ... reflections; the rest is still under way
 
 Sources: heitz2014 (what is measured), beckmann1963 (Gaussian surfaces), efron1982 (jackknife).
@@ -21,7 +21,7 @@ Sources: heitz2014 (what is measured), beckmann1963 (Gaussian surfaces), efron19
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -43,8 +43,9 @@ class Plan:
     """What to measure, from each direction of `views` (v, 3).
 
     side: side^2 rays per view and surface, one in each square of a grid over the period. slopes: number of bins from
-    -reach to reach, in units of alpha. lights: polar angles and azimuths of wi, radians. bounces: reflections to follow.
-    bins: number of bins in polar angle and azimuth for `lobe`. method: how surfaces are made, "spectral" or "gabor".
+    -reach to reach, in units of alpha. lights: polar angles and azimuths of wi, radians. bounces: reflections to follow;
+    with none, there is no `lobe` and no `escaped`. bins: number of bins in polar angle and azimuth for `lobe`. method: how
+    surfaces are made, "spectral" or "gabor".
     """
 
     views: ArrayLike
@@ -60,9 +61,9 @@ class Plan:
         views = as_vectors("views", self.views).astype(float)
         if views.ndim != 2 or np.any(views[:, 2] <= 0) or np.any(abs(np.linalg.norm(views, axis=1) - 1) > 1e-6):
             raise ValueError(f"views must be unit vectors above the horizon, of shape (v, 3), got {self.views!r}")
-        for name, value in (("side", self.side), ("slopes", self.slopes), ("bounces", self.bounces)):
-            if value != int(value) or value < 1:
-                raise ValueError(f"{name} must be a whole number of at least 1, got {value!r}")
+        for name, value, least in (("side", self.side, 1), ("slopes", self.slopes, 1), ("bounces", self.bounces, 0)):
+            if value != int(value) or value < least:
+                raise ValueError(f"{name} must be a whole number of at least {least}, got {value!r}")
         if len(self.bins) != 2 or min(self.bins) < 1:
             raise ValueError(f"bins must be two whole numbers of at least 1, got {self.bins!r}")
         if not 0 < self.reach < math.inf:
@@ -84,10 +85,10 @@ class Plan:
         return np.linspace(0, math.pi / 2, self.bins[0] + 1), np.linspace(-math.pi, math.pi, self.bins[1] + 1)
 
     @property
-    def projected_solid_angle(self) -> Array:
-        """Integral of cos theta_i over each bin of wi, shape `bins`: a lobe divided by it is the mean BRDF in each bin."""
+    def solid_angle(self) -> Array:
+        """Solid angle of each bin of wi, shape `bins`: a lobe divided by it is the mean of the BRDF times cos theta_i."""
         theta, phi = self.lobe_edges
-        return np.outer(np.diff(np.sin(theta) ** 2) / 2, np.diff(phi))
+        return np.outer(-np.diff(np.cos(theta)), np.diff(phi))
 
 
 class Estimate(NamedTuple):
@@ -125,8 +126,25 @@ def estimate(numerator: ArrayLike, denominator: ArrayLike = 1.0) -> Estimate:
     with np.errstate(divide="ignore", invalid="ignore"):
         value = above.sum(axis=0) / below.sum(axis=0)
         without = (above.sum(axis=0) - above) / (below.sum(axis=0) - below)
-        error = np.sqrt((count - 1) / count * np.sum((without - without.mean(axis=0)) ** 2, axis=0))
-    return Estimate(value, error)
+        return Estimate(value, _scatter(without))
+
+
+def estimate_of(function: Callable[[Array], ArrayLike], values: ArrayLike) -> Estimate:
+    """A function of the mean over surfaces (the first axis), with the jackknife's standard error. efron1982."""
+    of = np.asarray(values, float)
+    count = len(of) if of.ndim else 0
+    if count < 2:
+        raise ValueError(f"values must hold at least 2 surfaces, got {count}")
+    total = of.sum(axis=0)
+    without = np.array([function((total - one) / (count - 1)) for one in of])
+    return Estimate(np.asarray(function(total / count), float), _scatter(without))
+
+
+def _scatter(without: Array) -> Array:
+    """The jackknife's standard error, from the values found without each one of the surfaces."""
+    count = len(without)
+    error: Array = np.sqrt((count - 1) / count * np.sum((without - without.mean(axis=0)) ** 2, axis=0))
+    return error
 
 
 # --- one surface --------------------------------------------------------------------------------------------------------
@@ -151,7 +169,7 @@ def _view(
         **_masking(surface, alpha, plan, wo, _places(surface, plan, points)),
         "normals": _normals(surface, alpha, plan, seen),
         **_shadowing(surface, plan, wo, positions, seen),
-        **_reflection(surface, plan, wo, positions, seen),
+        **(_reflection(surface, plan, wo, positions, seen) if plan.bounces else {}),
     }
 
 
@@ -192,7 +210,7 @@ def _shadowing(surface: HeightField, plan: Plan, wo: Array, positions: Array, se
 
 
 def _reflection(surface: HeightField, plan: Plan, wo: Array, positions: Array, seen: Hits) -> Measurement:
-    lobe, escaped = np.zeros((plan.bounces, *plan.bins)), np.zeros(plan.bounces)
+    lobe, escaped = np.zeros((2, *plan.bins)), np.zeros(plan.bounces)
     directions, facets, ahead = np.broadcast_to(-wo, positions.shape), seen.facet, _ahead(wo)
     for bounce in range(plan.bounces):
         wm = surface.normals(facets)
@@ -201,7 +219,7 @@ def _reflection(surface: HeightField, plan: Plan, wo: Array, positions: Array, s
         out = directions[hits.facet == ESCAPED]
         theta = np.arctan2(np.hypot(out[:, 0], out[:, 1]), out[:, 2])
         phi = np.arctan2(ahead[0] * out[:, 1] - ahead[1] * out[:, 0], out[:, :2] @ ahead)
-        lobe[bounce] = np.histogram2d(theta, phi, bins=plan.lobe_edges)[0] / plan.side**2
+        lobe[min(bounce, 1)] += np.histogram2d(theta, phi, bins=plan.lobe_edges)[0] / plan.side**2
         escaped[bounce] = len(out) / plan.side**2
         on = hits.facet >= 0
         positions, directions = surface.points(positions[on], directions[on], hits.distance[on]), directions[on]

@@ -1,0 +1,57 @@
+"""Computes what the figure `measured_shadowing` shows: the lit share of what is seen, over azimuth."""
+
+import sys
+
+import numpy as np
+from microfacet.datafile import rounded, store
+from microfacet.directions import spherical
+from microfacet.geometry.beckmann import Beckmann
+from microfacet.surface.campaign import CAMPAIGN, read
+from microfacet.surface.compare import lit_of
+from microfacet.surface.measure import estimate
+from microfacet.visibility.smith import JOINT, Smith
+from microfacet.visibility.v_cavity import VCavity
+
+ENTRIES = ("azimuths_04", "azimuths_07", "azimuths_10")
+DEGREES = 60.0  # of the view
+FINE = np.linspace(0, 180, 37)
+UP = np.array([0.0, 0.0, 1.0])
+
+
+def smith(alpha: float, theta_i: float, azimuth: np.ndarray) -> np.ndarray:
+    """G2/G1 of each form, the same for all facets that are turned to both."""
+    wo, wi = spherical(np.radians(DEGREES)), spherical(theta_i, np.radians(azimuth))
+    forms = [Smith(Beckmann(alpha), form) for form in JOINT]
+    return np.array([model.G2(wo, wi, UP) / model.G1(wo, UP) for model in forms])
+
+
+def cavity(alpha: float, theta_i: float) -> np.ndarray:
+    wo, model = spherical(np.radians(DEGREES)), VCavity(Beckmann(alpha))
+    return np.array([lit_of(model, wo, spherical(theta_i, azimuth)) for azimuth in np.radians(FINE)])
+
+
+def compute() -> dict:
+    theta_i, azimuth = (np.array(axis) for axis in CAMPAIGN[ENTRIES[0]].plan.lights)
+    alpha = [CAMPAIGN[entry].family.alpha_x for entry in ENTRIES]
+    found = [read(entry) for entry in ENTRIES]
+    lit = [estimate(one["lit"][:, 0], one["facing"][:, 0]) for one in found]
+    return rounded(
+        {
+            "alpha": alpha,
+            "degrees": DEGREES,
+            "theta_i": np.degrees(theta_i),
+            "azimuth": np.degrees(azimuth),
+            "fine": FINE,
+            "forms": list(JOINT),
+            "lit": np.array([one.value for one in lit]),
+            "error": np.array([one.error for one in lit]),
+            "smith": np.array([[smith(a, theta, FINE) for theta in theta_i] for a in alpha]),
+            "smith_there": np.array([[smith(a, theta, np.degrees(azimuth)) for theta in theta_i] for a in alpha]),
+            "v_cavity": np.array([[cavity(a, theta) for theta in theta_i] for a in alpha]),
+        },
+        digits=5,
+    )
+
+
+if __name__ == "__main__":
+    store(sys.argv[1], **compute())

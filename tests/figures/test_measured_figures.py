@@ -1,0 +1,96 @@
+"""The figures of measured surfaces: what they draw is what was measured, and models are drawn as the library has them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import microfacet as mf
+import numpy as np
+import pytest
+from microfacet.directions import spherical
+from microfacet.surface.campaign import THETA_O, read
+
+Compute = Callable[[str], dict[str, Any]]
+
+
+def test_lobes_hold_the_light(compute: Compute) -> None:
+    data = compute("validation/measured_lobes")
+    angles = np.outer(-np.diff(np.cos(data["theta"])), np.diff(data["phi"]))
+    np.testing.assert_allclose((data["lobe"] * angles).sum(axis=(-2, -1)), data["albedo"], rtol=2e-3)
+    assert (data["distance"][:, 1] < data["distance"][:, 0]).sum() >= 2
+    assert (data["noise"] > 0.01).all()
+
+
+def test_lobes_in_the_plane_are_the_models(compute: Compute) -> None:
+    data = compute("validation/measured_plane")
+    wi = spherical(np.radians(data["theta"]))
+    wo = spherical(np.radians(60))
+    rho = mf.Microfacet(mf.Smith(mf.Beckmann(0.4))).evaluate(wo * [-1, 1, 1], wi) * wi[:, 2]
+    drawn = data["smith"][list(data["degrees"]).index(60), 0]
+    assert data["theta"][drawn.argmax()] > 45
+    np.testing.assert_allclose(drawn, rho, atol=0.05 * rho.max())
+
+
+def test_masking_of_the_models_conserves_the_seen_area(compute: Compute) -> None:
+    """Weighted with the facets turned to the viewer, both G1 have the same mean; so has the measured one."""
+    data = compute("validation/measured_masking")
+    for row, degrees in enumerate(data["degrees"]):
+        for column, alpha in enumerate(data["alpha"]):
+            q = data["fine"][row, column]
+            faced = np.maximum(1 - alpha * q * np.tan(np.radians(degrees)), 0) * np.exp(-(q**2))
+            smith, cavity = ((faced * data[name][row, column]).sum() / faced.sum() for name in ("smith", "v_cavity"))
+            assert cavity == pytest.approx(smith, rel=0.01)
+            value, error = data["mean"][row, column]
+            assert abs(value - smith) < 5 * error + 0.01
+
+
+def test_the_seen_area_is_the_cosine(compute: Compute) -> None:
+    value = compute("validation/measured_masking")["area"][:, 0]
+    assert abs(value[:, 0]).max() < 1e-6  # from above: nothing is hidden
+    assert abs(value).max() < 0.05
+
+
+def test_visible_normals_fill_the_view(compute: Compute) -> None:
+    data = compute("validation/measured_normals")
+    for name in ("v_cavity", "smith", "all"):
+        np.testing.assert_allclose(np.trapezoid(data[name], data["fine"], axis=-1), 1, atol=0.01)
+    np.testing.assert_allclose((data["seen"] * np.diff(data["edges"])).sum(axis=-1), 1, rtol=1e-4)
+
+
+def test_forms_of_shadowing_end_where_they_must(compute: Compute) -> None:
+    data = compute("validation/measured_shadowing")
+    np.testing.assert_array_equal(data["lit"][:, 0, 0], 1)
+    forms = list(data["forms"])
+    for form in ("direction", "height-direction"):
+        assert data["smith"][0, 0, forms.index(form), 0] == pytest.approx(1)
+    assert (data["smith"][:, :, forms.index("height")] >= data["smith"][:, :, forms.index("none")]).all()
+    np.testing.assert_allclose(data["v_cavity"][:, 0, 0], 1)
+
+
+def test_distances_and_albedos_are_of_one_measurement(compute: Compute) -> None:
+    data, lobes = compute("validation/measured_distances"), compute("validation/measured_lobes")
+    view = THETA_O.index(float(lobes["degrees"]))
+    names = list(data["names"][0])
+    for row, name in enumerate(("V-cavities", "Smith, height")):
+        np.testing.assert_allclose(data["distance"][:, view, names.index(name), 0], lobes["distance"][:, row])
+        np.testing.assert_allclose(data["model_albedo"][:, view, names.index(name)], lobes["albedo"][:, row])
+    assert (data["distance"][..., 0] <= 1).all()
+    np.testing.assert_allclose(data["stretched_area"][:, 0], 1, atol=0.02)
+
+
+def test_bounces_add_up(compute: Compute) -> None:
+    data = compute("validation/bounces")
+    np.testing.assert_allclose(data["share"][1], read("lobes_07")["escaped"].mean(axis=0), atol=1e-4)
+    assert (data["share"].sum(axis=-1) > 0.99).all()
+    assert (data["share"].sum(axis=-1) < 1 + 1e-4).all()
+
+
+def test_rays_of_the_drawing_end_above_the_surface(compute: Compute) -> None:
+    data = compute("validation/gaussian_surface")
+    for path in data["paths"]:
+        corners = path[~np.isnan(path[:, 0])]
+        assert len(corners) >= 3
+        assert corners[-1, 2] > corners[-2, 2]
+        first = (corners[1] - corners[0]) / np.linalg.norm(corners[1] - corners[0])
+        np.testing.assert_allclose(-first, spherical(np.radians(60), np.pi), atol=1e-4)
