@@ -135,6 +135,24 @@ rule figure:
         "python {input.script} {input.data} {output} 2> {log}"
 
 
+rule motion:
+    input:
+        script=lambda wildcards: build.figure(wildcards.name).script,
+        data=lambda wildcards: build.figure(wildcards.name).data,
+        imports=lambda wildcards: build.imports(build.figure(wildcards.name).script),
+        style="figures/report.mplstyle",
+    output:
+        "build/figures/{name}.moving.svg",
+    log:
+        "build/logs/motion/{name}.log",
+    message:
+        "motion   {wildcards.name}"
+    conda:
+        "environment.yml"
+    shell:
+        "python {input.script} {input.data} {output} 2> {log}"
+
+
 rule chapter:
     input:
         text="chapters/{chapter}.md",
@@ -162,6 +180,7 @@ rule report:
         "build/ledger.json",
         chapters=expand("build/chapters/{chapter}.typ", chapter=build.texts()),
         figures=expand("build/figures/{name}.svg", name=build.figures_in_chapters()),
+        moving=lambda wildcards: build.moving_in_chapters() if wildcards.form == "html" else [],
         works="chapters/references.bib",
         title="CITATION.cff",
         tools=lambda wildcards: build.report_tools(wildcards.form),

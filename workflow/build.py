@@ -73,13 +73,19 @@ def targets() -> dict[str, list[str]]:
     return {name: [name] for name in inventory.figures()} | by_slide
 
 
+def drawings(names: list[str]) -> list[str]:
+    """All files that the figures of these names are drawn into."""
+    still = [f"build/figures/{name}{ending}" for name in names for ending in ENDINGS]
+    return still + [inventory.figures()[name].moving for name in names if inventory.figures()[name].moves]
+
+
 def refuse_unknown(arguments: list[str], rules: Iterable[str]) -> None:
     """One sentence for a target that is neither a rule, a figure, a slide nor a file."""
     known = sorted(rules)
     for target in asked_for([word for word in arguments if word not in known]):
         path = Path(target)
         if path.parent == Path("build/figures") and path.suffix in ENDINGS:
-            figure(path.stem)
+            figure(path.name.split(".")[0])
         elif "/" not in target and not path.is_file():
             kind = "drawn slide" if target.startswith("slide") else "figure or other target"
             inventory.stop(inventory.unknown(kind, target, known))
@@ -112,6 +118,10 @@ def figures_in_chapters() -> list[str]:
     """The figures the report shows; a name that does not exist is reported by its chapter."""
     named = {name for stem in texts() for name in text(stem).named("figure")}
     return sorted(named & set(inventory.figures()))
+
+
+def moving_in_chapters() -> list[str]:
+    return [figure(name).moving for name in figures_in_chapters() if figure(name).moves]
 
 
 def chapter_data(stem: str) -> list[str]:

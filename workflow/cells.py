@@ -43,7 +43,8 @@ def figure(name: str, width: float = 100, place: str = "auto") -> Markdown:
     caption = f"**{drawn.title}** {drawn.caption}".strip()
     slides = ",".join(map(str, drawn.slides))
     image = f"build/figures/{name}.svg"
-    return Markdown(f'![{caption}]({image}){{#fig:{name} width={width:g}% slides="{slides}" place={place}}}')
+    more = f" moving={drawn.moving}" if drawn.moves else ""
+    return Markdown(f'![{caption}]({image}){{#fig:{name} width={width:g}% slides="{slides}" place={place}{more}}}')
 
 
 def data(name: str) -> Any:

@@ -176,10 +176,11 @@ function Figure(figure)
   local label = figure.identifier ~= "" and figure.identifier or image.identifier
   local caption = pandoc.utils.blocks_to_inlines(figure.caption.long)
   local title, rest = title_and_rest(caption)
-  local call = string.format("#picture(%s, %s, %s, slides: (%s), width: %s, place: %s, alt: %s)",
+  local call = string.format("#picture(%s, %s, %s, slides: (%s), width: %s, place: %s, alt: %s%s)",
     quoted("/" .. image.src), content(title), content(rest),
     (image.attributes.slides or ""):gsub("[%d]+$", "%0,"), share(image.attributes.width),
-    place_of(image), quoted(pandoc.utils.stringify(#title > 0 and title or caption)))
+    place_of(image), quoted(pandoc.utils.stringify(#title > 0 and title or caption)),
+    image.attributes.moving and ", moving: " .. quoted("/" .. image.attributes.moving) or "")
   return pandoc.RawBlock("typst", call .. (label ~= "" and " <" .. label .. ">" or ""))
 end
 

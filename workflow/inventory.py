@@ -105,6 +105,12 @@ class Figure:
     title: str
     caption: str
     slides: tuple[int, ...]
+    moves: bool = False
+
+    @property
+    def moving(self) -> str:
+        """The drawing that moves, for the web page, if the script has a function `move`."""
+        return f"build/figures/{self.name}.moving.svg" if self.moves else ""
 
     @property
     def data_script(self) -> Path | None:
@@ -119,7 +125,7 @@ class Figure:
     def words(self) -> str:
         """All that a chapter prints of it beside the drawing."""
         slides = ", ".join(map(str, self.slides))
-        return f"{self.title} {self.caption} (slides {slides})"
+        return f"{self.title} {self.caption} (slides {slides}) {self.moving}".strip()
 
     @property
     def stage(self) -> str:
@@ -152,7 +158,8 @@ def read_figure(script: Path) -> Figure | None:
     title, _, rest = (ast.get_docstring(tree) or "").partition("\n")
     if not title.strip():
         stop(f"{script} has no docstring: its first line is the first sentence of the caption.")
-    return Figure(script.stem, script, title.strip(), " ".join(rest.split()), numbers_in(slides[0], script))
+    moves = any(isinstance(node, ast.FunctionDef) and node.name == "move" for node in tree.body)
+    return Figure(script.stem, script, title.strip(), " ".join(rest.split()), numbers_in(slides[0], script), moves)
 
 
 def numbers_in(node: ast.expr, script: Path) -> tuple[int, ...]:

@@ -6,7 +6,7 @@ for target, names in build.targets().items():
         name:
             target
         input:
-            expand("build/figures/{name}.{ending}", name=names, ending=["svg", "pdf", "png"]),
+            build.drawings(names),
 
 
 build.refuse_unknown(sys.argv[1:], [rule.name for rule in workflow.rules])

@@ -10,7 +10,7 @@ here cut into 36 facets.
 import sys
 
 import numpy as np
-from microfacet import plotting
+from microfacet import motion, plotting
 
 SLIDES = (33,)
 CENTRE, RADIUS, GAP = np.array([0.5, 0.27]), 0.4, 0.019
@@ -39,30 +39,65 @@ def circle(ax: plotting.Axes, bounds: plotting.Array) -> None:
         )
 
 
-def facets(ax: plotting.Axes, data: dict, way: float) -> None:
+def goals(data: dict) -> plotting.Array:
+    """Where the middle of each facet comes to lie."""
     theta = middles(data["bounds"])[data["bins"]]
-    goal = CENTRE + ((RADIUS + GAP * (1 + data["rank"])) * np.array([np.sin(theta), np.cos(theta)])).T
-    middle = (1 - way) * data["middle"] + way * goal
+    return CENTRE + ((RADIUS + GAP * (1 + data["rank"])) * np.array([np.sin(theta), np.cos(theta)])).T
+
+
+def facets(ax: plotting.Axes, data: dict, way: float) -> None:
+    middle = (1 - way) * data["middle"] + way * goals(data)
     ends = middle[:, None] + np.array([[-0.5], [0.5]]) * data["edges"][:, None]
     plotting.pieces(ax, ends, [plotting.TILTS[k] for k in data["bins"]], linewidth=1.8)
+
+
+def board(ax: plotting.Axes, data: dict, way: float) -> None:
+    plotting.scene(ax, x=(-0.06, 1.06), z=(-0.13, 1.0))
+    plotting.ground(ax, data["x"], data["z"], depth=0.06, color="0.75", linewidth=0.5)
+    circle(ax, data["bounds"])
+    facets(ax, data, way)
+
+
+def shares(ax: plotting.Axes, data: dict) -> list[plotting.Text]:
+    """The share of each bin, beyond its stack, and the length of all."""
+    labels: list[plotting.Text] = []
+    for k, theta in enumerate(middles(data["bounds"])):
+        reach = RADIUS + GAP * (1 + np.sum(data["bins"] == k)) + 0.05 + 0.04 * abs(np.sin(theta))
+        place = CENTRE + reach * np.array([np.sin(theta), np.cos(theta)])
+        labels.append(plotting.label(ax, place, rf"{data['percent'][k]}%", fontsize=8))
+    return [*labels, plotting.label(ax, (CENTRE[0], CENTRE[1] + 0.22), f"length {data['share'].sum():.2f}")]
 
 
 def draw(data: dict) -> plotting.Figure:
     figure, axes = plotting.canvas(__file__, height=2.02, ncols=3)
     figure.subplots_adjust(left=0, right=1, bottom=0, top=1, wspace=0)
     for ax, way in zip(axes, (0.0, 0.5, 1.0), strict=True):
-        plotting.scene(ax, x=(-0.06, 1.06), z=(-0.13, 1.0))
-        plotting.ground(ax, data["x"], data["z"], depth=0.06, color="0.75", linewidth=0.5)
-        circle(ax, data["bounds"])
-        facets(ax, data, way)
-    for k, theta in enumerate(middles(data["bounds"])):
-        reach = RADIUS + GAP * (1 + np.sum(data["bins"] == k)) + 0.05 + 0.04 * abs(np.sin(theta))
-        place = CENTRE + reach * np.array([np.sin(theta), np.cos(theta)])
-        plotting.label(axes[-1], place, rf"{data['percent'][k]}%", fontsize=8)
-    plotting.label(axes[-1], (CENTRE[0], CENTRE[1] + 0.22), f"length {data['share'].sum():.2f}")
+        board(ax, data, way)
+    shares(axes[-1], data)
     return figure
+
+
+def move(data: dict) -> motion.Motion:
+    """Facet after facet flies to its place, the shares appear, and all goes back."""
+    figure, ax = plotting.canvas(__file__, height=3.4)
+    figure.subplots_adjust(left=0, right=1, bottom=0, top=1)
+    board(ax, data, 0.0)
+    moves = motion.Motion(figure)
+    moves.keyframes["fly"] = "0%, 8%, 98%, 100% { transform: none } 40%, 70% { transform: translate(var(--x), var(--z)) }"
+    moves.keyframes["show"] = "0%, 52%, 72%, 100% { opacity: 0 } 56%, 68% { opacity: 1 }"
+    ways = motion.on_paper(ax, goals(data)) - motion.on_paper(ax, data["middle"])
+    lines = list(ax.lines)[-len(ways) :]
+    for k, (line, (x, z)) in enumerate(zip(lines, ways, strict=True)):
+        line.set_gid(f"facet-{k}")
+        moves.follow(f"facet-{k}", "fly", x=f"{x:.2f}px", z=f"{z:.2f}px", delay=f"{k / len(ways):.2f}s")
+    for k, label in enumerate(shares(ax, data)):
+        label.set_gid(f"share-{k}")
+        moves.follow(f"share-{k}", "show")
+    return moves
 
 
 if __name__ == "__main__":
     data, *outputs = sys.argv[1:]
-    plotting.save(draw(plotting.load(data)), outputs)
+    stills, moving = motion.split(outputs)
+    plotting.save(draw(plotting.load(data)), stills)
+    motion.save(move(plotting.load(data)), moving)

@@ -37,17 +37,19 @@ def test_lint_is_clean(built: Checkout) -> None:
 
 def test_an_edited_drawing_redoes_itself_and_the_pages_only(built: Checkout) -> None:
     built.edit("figures/visibility/masking.py", "figsize=(6, 2.5)", "figsize=(6, 2.6)")
-    assert built.jobs() == {"figure masking"} | PAGES
+    assert built.jobs() == {"figure masking", "motion masking"} | PAGES
 
 
 def test_an_edited_look_of_the_web_page_leaves_the_paper_alone(built: Checkout) -> None:
     built.edit("workflow/web.css", "color-scheme: light dark;", "color-scheme: light dark; /* both */")
     assert built.jobs() == {f"report {HTML}"}
+    built.edit("workflow/web.css", " /* both */", "")
+    assert built.jobs() == {f"report {HTML}"}
 
 
 def test_an_edited_caption_redoes_its_chapter_too(built: Checkout) -> None:
     built.edit("figures/visibility/masking.py", "over the angle", "against the angle")
-    assert built.jobs() == {"figure masking", "chapter 1_visibility"} | PAGES
+    assert built.jobs() == {"figure masking", "motion masking", "chapter 1_visibility"} | PAGES
 
 
 def test_an_edited_kernel_redoes_its_own_check_only(built: Checkout) -> None:
@@ -58,7 +60,7 @@ def test_an_edited_kernel_redoes_its_own_check_only(built: Checkout) -> None:
 
 def test_an_edit_in_the_library_redoes_what_imports_it(built: Checkout) -> None:
     built.edit("lib/microfacet/geometry/ggx.py", "alpha * alpha", "alpha**2")
-    assert built.jobs() == {"figure masking"} | PAGES
+    assert built.jobs() == {"figure masking", "motion masking"} | PAGES
 
 
 def test_a_failing_check_stops_the_report_but_not_the_figures(built: Checkout) -> None:
@@ -74,6 +76,13 @@ def test_a_failing_check_stops_the_report_but_not_the_figures(built: Checkout) -
     assert built.path("build/figures/plain.svg").exists()
     change_kernel(built, "a")
     assert built.snakemake().returncode == 0
+
+
+def test_a_moving_figure_moves_on_the_web_only(built: Checkout) -> None:
+    built.edit("figures/visibility/masking.py", "80px", "70px")
+    assert built.jobs("slide_38") == {"figure masking", "motion masking"}
+    assert b"70px" in built.path("build/figures/masking.moving.svg").read_bytes()
+    assert built.jobs() <= PAGES
 
 
 def test_a_figure_is_drawn_by_name_and_by_slide(built: Checkout) -> None:
@@ -116,7 +125,7 @@ def test_a_torn_record_is_one_sentence(built: Checkout) -> None:
     done = built.snakemake("build/ledger.json")
     assert "The record build/checks/geometry.area.json is torn" in done.stdout
     built.path("build/checks/geometry.area.json").unlink()
-    assert built.snakemake("build/ledger.json").returncode == 0
+    assert built.snakemake().returncode == 0
 
 
 @pytest.mark.slow

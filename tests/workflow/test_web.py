@@ -44,6 +44,7 @@ def test_the_page_is_complete(page: str, built: Checkout) -> None:
     assert list(web.faults(page, expected)) == []
     found = web.Contents(page)
     assert len(found.pictures) == sum(label.startswith("fig:") for label in expected)
+    assert found.pictures["fig:masking"] == 2  # at rest and in motion
     assert found.tags["math"] == found.classes["drawn"] == found.tags["svg"]
 
 
@@ -193,11 +194,24 @@ def test_the_theme_is_chosen_and_kept(open_page: Callable[..., browser.Page], bu
 
 
 @pytest.mark.slow
+def test_motion_is_shown_to_those_who_want_it(open_page: Callable[..., browser.Page], path: Path) -> None:
+    seen = """[...document.querySelectorAll(".moves")].map(e => [".still", ".moving"]
+      .map(name => e.querySelector(name).checkVisibility()).join()).filter((v, k, all) => all.indexOf(v) === k).join(" ")"""
+    shown = open_page(path, 1200, 900, prefers_reduced_motion="no-preference")
+    assert shown.run(seen) == "false,true"
+    shown.run('document.querySelectorAll(".motion").forEach(button => button.click())')
+    assert shown.run(seen) == "true,false"
+    shown = open_page(path, 1200, 900, prefers_reduced_motion="reduce")
+    assert shown.run(seen) == "true,false"
+    assert shown.run('document.querySelectorAll(".motion").length') == 0
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(("width", "height"), [(390, 844), (1200, 900)])
 def test_figures_enlarge(open_page: Callable[..., browser.Page], built: Checkout, width: int, height: int) -> None:
     shown = open_page(built.path(HTML), width, height)
-    before = shown.run('document.querySelector(".picture img").getBoundingClientRect().width')
-    shown.run('document.querySelector(".picture img").click()')
+    before = shown.run('document.querySelector(".moving img").getBoundingClientRect().width')
+    shown.run('document.querySelector(".moving img").click()')
     shown.run("new Promise(done => setTimeout(done, 300))")
     size = 'document.querySelector("dialog[open] img").getBoundingClientRect().width'
     opened = shown.run(size)
