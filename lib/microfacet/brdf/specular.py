@@ -14,13 +14,20 @@ from microfacet import balls
 from microfacet.directions import as_uniform, as_vectors
 from microfacet.kernels import Batch
 from microfacet.material.fresnel import Fresnel, Mirror
-from microfacet.material.reflection import reflected
-from microfacet.notation import G2, D, F, mu_i, mu_o, raw
+from microfacet.material.reflection import half_vector, i_vector, o_vector, reflected, weak_furnace
+from microfacet.notation import G1, D, F, Lambda_i, Lambda_o, im, mu_i, mu_o, om, raw
+from microfacet.proofs import under_integral
 from microfacet.statement import Equation
+from microfacet.visibility import shadowing, unphysical, v_cavity
 from microfacet.visibility.masking import Masking, over_pairs
 
+G1_h = raw("G1_h", r"G_1(\omega_o, \omega_h)", positive=True)
+G2_h = raw("G2_h", r"G_2(\omega_o, \omega_i, \omega_h)", nonnegative=True)
+D_h = raw("D_h", r"D(\omega_h)", nonnegative=True)
+p_i = raw("p_light", r"p_{\omega_o}(\omega_i)", nonnegative=True)
 rho_io = raw("rho_io", r"\rho(\omega_i, \omega_o)")
 mu = sp.Symbol("mu", positive=True)
+EDGE = sp.Rational(1, 10**15)  # of a cosine, below which an integrand is bounded in place of evaluated
 
 # --- statements ---------------------------------------------------------------------------------------------------
 
@@ -29,11 +36,24 @@ with sp.evaluate(False):
         key="brdf.specular.rho",
         title="the microfacet BRDF of Cook and Torrance",
         symbol=raw("rho", r"\rho(\omega_o, \omega_i)"),
-        equals=F * G2 * D / (4 * mu_o * mu_i),
-        over={F: (0.01, 1), G2: (1e-6, 1), D: (1e-6, 1e6), mu_o: (1e-8, 1), mu_i: (1e-8, 1)},
+        means=F * (G2_h / G1_h) * p_i / mu_i,
+        equals=F * G2_h * D_h / (4 * mu_o * mu_i),
+        where={p_i: G1_h * D_h / (4 * mu_o)},
+        proved_by="sympy: the density of reflected directions put in",
+        over={F: (0.01, 1), G2_h: (1e-6, 1), D_h: (1e-6, 1e6), mu_o: (1e-8, 1), mu_i: (1e-8, 1)},
         slides=(21, 22, 51, 52),
         cite="cook1982; walter2007",
-        note="D and G2 are taken at the half vector.",
+    )
+    weight = Equation(
+        key="brdf.specular.weight",
+        title="what a light direction from a visible normal weighs",
+        symbol=raw("weight", r"\frac{\rho(\omega_o, \omega_i) \cos\theta_i}{p_{\omega_o}(\omega_i)}"),
+        equals=F * G2_h / G1_h,
+        proof=lambda it: [complete.equals.doit() * mu_i / reflected.equals.doit().subs({G1: G1_h, D: D_h}) - it.equals],
+        proved_by="sympy: BRDF and density put in",
+        slides=(42, 51),
+        cite="heitzdeon2014",
+        note="Between 0 and 1: no sample weighs much more than another.",
     )
     positivity = Equation(
         key="brdf.specular.positivity",
@@ -41,7 +61,7 @@ with sp.evaluate(False):
         symbol=raw("rho_positive", r"\rho(\omega_o, \omega_i)"),
         equals=sp.Integer(0),
         relation=r"\ge",
-        proof=lambda: [sp.Integer(0 if (F * G2 * D / (4 * mu_o * mu_i)).is_nonnegative else 1)],
+        proof=lambda it: [sp.Integer(0 if complete.equals.doit().is_nonnegative else 1), it.equals],
         proved_by="sympy: every factor is nonnegative",
         slides=(24, 51),
         cite="heitz2014",
@@ -51,8 +71,8 @@ with sp.evaluate(False):
         title="light and viewer may change places",
         symbol=raw("rho_oi", r"\rho(\omega_o, \omega_i)"),
         equals=rho_io,
-        proof=lambda: [_swapped() - F * G2 * D / (4 * mu_o * mu_i)],
-        proved_by="sympy: the half vector, F and D do not change, and neither does a symmetric G2",
+        proof=lambda it: [*_reciprocity_steps(), it.equals - rho_io],
+        proved_by="sympy: the half vector, F and D do not change, and neither does any G2 of this report",
         slides=(24, 51),
         cite="heitz2014",
     )
@@ -62,9 +82,11 @@ with sp.evaluate(False):
         symbol=raw("albedo", r"\int_{\Omega} \rho(\omega_o, \omega_i) \cos \theta_i \, d\omega_i"),
         equals=sp.Integer(1),
         relation=r"\le",
+        proof=lambda it: [*_energy_steps(), it.equals - weak_furnace.equals],
+        proved_by="sympy: F and G2/G1 are at most 1, so that the weak white furnace is an upper bound",
         slides=(24, 51),
         cite="heitz2014",
-        note="A bound that wrong models meet as well; each model's albedo is computed below.",
+        note="For models that pass the weak white furnace. Wrong models may meet the bound as well.",
     )
     anchor = Equation(
         key="brdf.specular.anchor",
@@ -81,10 +103,55 @@ with sp.evaluate(False):
         note="What single scattering loses: nothing at grazing, most at normal incidence.",
     )
 
+    average = Equation(
+        key="brdf.specular.anchor_average",
+        title="the same, averaged over all light",
+        symbol=raw("E_average", r"2 \int_{0}^{1} E(\theta_o) \cos\theta_o \, d\cos\theta_o"),
+        means=sp.Integral(2 * mu_o * (1 - mu_o * sp.log(1 + 1 / mu_o)), (mu_o, 0, 1)),
+        equals=sp.Rational(4, 3) * (1 - sp.log(2)),
+        enclosed=lambda it: balls.agreement(_average_from(it, EDGE), it.equals, (), [()]),
+        proof=lambda it: _average_steps(it),
+        proved_by="sympy: the antiderivative, checked by differentiation, between its limits",
+        slides=(73, 74, 75),
+        cite="heitz2014",
+    )
 
-def _swapped() -> sp.Expr:
-    swap = {mu_o: mu_i, mu_i: mu_o}
-    return (F * G2 * D / (4 * mu_o * mu_i)).subs(swap, simultaneous=True)
+
+def _average_from(it: Equation, edge: sp.Expr) -> sp.Expr:
+    """Below the edge the integrand lies between 0 and 2 mu."""
+    (whole,) = it.means.atoms(sp.Integral)
+    return under_integral(it, sp.Integral(whole.function, (mu_o, edge, 1)) + balls.SHARE * edge**2)
+
+
+def _average_steps(it: Equation) -> list[Any]:
+    logarithms = mu_o**3 * sp.log(1 + 1 / mu_o) + mu_o**2 / 2 - mu_o + sp.log(1 + mu_o)
+    antiderivative = mu_o**2 - sp.Rational(2, 3) * logarithms
+    ends = antiderivative.subs(mu_o, 1) - sp.limit(antiderivative, mu_o, 0, "+")
+    return [sp.diff(antiderivative, mu_o) - average.means.function.doit(), sp.expand(ends - it.equals.doit())]
+
+
+def _swapped(form: Any) -> sp.Expr:
+    """The form with light and viewer in each other's place."""
+    swap = {mu_o: mu_i, mu_i: mu_o, om: im, im: om, Lambda_o: Lambda_i, Lambda_i: Lambda_o}
+    return sp.sympify(form).doit().subs(swap, simultaneous=True)
+
+
+def _reciprocity_steps() -> list[Any]:
+    """The BRDF, the half vector, and every form of G2 that the report states."""
+    smith = [shadowing.separable, shadowing.height, shadowing.direction, shadowing.height_direction]
+    others = [v_cavity.G2, unphysical.implicit_G2, unphysical.kelemen_G2, unphysical.schlick_G2]
+    forms = [one.equals.doit() for one in (complete, *smith, *others)]
+    half = {o_vector: i_vector, i_vector: o_vector}
+    vector = half_vector.equals.doit()
+    return [vector - vector.subs(half, simultaneous=True), *(form - _swapped(form) for form in forms)]
+
+
+def _energy_steps() -> list[Any]:
+    """What the furnace counts, less what the BRDF sends: a product of nonnegative factors, with F and G2/G1 for 1 - loss."""
+    kept_F, kept_G = sp.symbols("kept_F kept_G", positive=True)
+    sent = complete.equals.doit().subs({F: 1 / (1 + kept_F), G2_h: G1_h / (1 + kept_G)}) * mu_i
+    excess = sp.together(reflected.equals.doit().subs({G1: G1_h, D: D_h}) - sent)
+    return [sp.Integer(0 if sp.factor(excess).is_nonnegative else 1)]
 
 
 def _anchor_steps() -> list[Any]:

@@ -114,6 +114,20 @@ with sp.evaluate(False):
         cite="heitz2014",
     )
 
+    rms = Equation(
+        key="geometry.beckmann.rms",
+        title="root mean square of Beckmann slopes along one direction",
+        symbol=raw("rms_beckmann", r"\sqrt{\int_{-\infty}^{\infty} q^2 P_2(q) \, dq}"),
+        means=sp.sqrt(sp.Integral(q**2 * sp.exp(-(q**2) / alpha**2) / (sp.sqrt(sp.pi) * alpha), (q, -sp.oo, sp.oo))),
+        equals=alpha / sp.sqrt(2),
+        enclosed=lambda it: balls.agreement(
+            balls.truncated(it.means, FAR * alpha, 10 * alpha**2 * sp.exp(-(FAR**2))), it.equals, (alpha,), ROUGHNESSES
+        ),
+        over={alpha: ROUGHNESS},
+        slides=(64, 65),
+        cite="heitz2014",
+    )
+
 
 # --- the gap between erfcx and its limit ------------------------------------------------------------------------------
 

@@ -12,12 +12,14 @@ from microfacet import balls
 from microfacet.arithmetic import two_product, two_sum
 from microfacet.directions import positive
 from microfacet.geometry.slopes import Distribution, around, normals_integral
-from microfacet.notation import chi, n, q, raw, u, wm, y
+from microfacet.notation import chi, n, q, raw, u, wm, x, y
+from microfacet.proofs import under_integral
 from microfacet.statement import Equation
 
 EXPONENT = (0.5, 1e4)
 POWERS = [(0.5,), (1.0,), (10.0,), (1e4,)]  # at which integrals are enclosed
 r = sp.Symbol("r", positive=True)
+D_at_m = raw("D_m", r"D(\omega_m)")
 K = raw("K", "K", positive=True)  # normalisation of the slopes along one direction
 
 # --- statements ---------------------------------------------------------------------------------------------------
@@ -68,7 +70,6 @@ with sp.evaluate(False):
     _mean = 2 * sp.pi / (n + 2)
     _scaled = (n + 2) / (2 * sp.pi) * cosine_power
     _student = sp.Integral((1 + q**2 + y**2) ** (-(n + 4) / 2), (y, -sp.oo, sp.oo))
-    _marginal = sp.sqrt(sp.pi) * sp.gamma((n + 3) / 2) / sp.gamma((n + 4) / 2) * (1 + q**2) ** (-(n + 3) / 2)
 
 projected_area = Equation(
     key="geometry.blinn_phong.projected_area",
@@ -193,26 +194,84 @@ def _substitution_steps() -> list[Any]:
     return [1 + moved**2 - kernel, (moved - c) * sp.diff(moved, v) - s**2 * v, s**2 * s ** (-(n + 3)) - s ** (-(n + 1))]
 
 
-marginal_factor = Equation(
-    key="geometry.blinn_phong.K",
-    title="Blinn-Phong slopes along one direction are Student's",
-    symbol=raw("P2_blinn_phong", r"P_2(q)"),
-    means=_student,
-    equals=_marginal,
-    proof=lambda: _marginal_steps(),
-    proved_by="sympy: y = sqrt(1+q^2) w, then Euler's beta integral",
-    slides=(62,),
-    cite="heitz2014",
-)
+_K = sp.sqrt(sp.pi) * sp.gamma((n + 3) / 2) / sp.gamma((n + 4) / 2)
+
+with sp.evaluate(False):
+    slopes = Equation(
+        key="geometry.blinn_phong.P22",
+        title="Blinn-Phong slopes are Student's, but for a factor",
+        symbol=raw("P22_blinn_phong", r"P_{22}(\tilde{x}, \tilde{y})"),
+        means=sp.cos(wm.theta) ** 4 * D_at_m,
+        equals=(1 + x**2 + y**2) ** (-(n + 4) / 2),
+        proof=lambda it: _slope_steps(it),
+        proved_by="sympy: the slopes of a normal at its angles put in",
+        slides=(55, 62),
+        cite="blinn1977",
+    )
+    factor = Equation(
+        key="geometry.blinn_phong.K",
+        title="the factor of Blinn-Phong slopes along one direction",
+        symbol=K,
+        means=sp.Integral((1 + r**2) ** (-(n + 4) / 2), (r, -sp.oo, sp.oo)),
+        equals=sp.sqrt(sp.pi) * sp.gamma((n + 3) / 2) / sp.gamma((n + 4) / 2),
+        enclosed=lambda it: balls.agreement(_beta_folded(it), it.equals, (n,), POWERS),
+        proof=lambda it: _beta_steps(it),
+        proved_by="sympy: Euler's beta integral",
+        slides=(62,),
+        cite="heitz2014",
+    )
+    marginal = Equation(
+        key="geometry.blinn_phong.P2",
+        title="Blinn-Phong slopes along one direction",
+        symbol=raw("P2_blinn_phong", r"P_2(q)"),
+        means=_student,
+        equals=K * (1 + q**2) ** (-(n + 3) / 2),
+        where={K: _K},
+        proof=lambda it: _marginal_steps(it),
+        proved_by="sympy: y = sqrt(1+q^2) r leaves the integral K",
+        slides=(62,),
+        cite="heitz2014",
+    )
 
 
-def _marginal_steps() -> list[Any]:
-    w = sp.Symbol("w", positive=True)
-    scaled = (1 + q**2) * (1 + w**2)
-    beta = 2 * sp.integrate((1 + w**2) ** (-(n + 4) / 2), (w, 0, sp.oo), conds="none")
+def _slope_steps(it: Equation) -> list[Any]:
+    """At the slopes of a normal 1 + x^2 + y^2 is 1/cos^2; then both forms are powers of the cosine."""
+    cosine = sp.Symbol("cosine", positive=True)
+    put = {x: -sp.tan(wm.theta) * sp.cos(wm.phi), y: -sp.tan(wm.theta) * sp.sin(wm.phi)}
+    density = D.equals.doit().subs(chi(sp.cos(wm.theta)), 1)
+    normals = it.means.doit().subs(D_at_m, density).subs(sp.cos(wm.theta), cosine)
     return [
-        1 + q**2 + (sp.sqrt(1 + q**2) * w) ** 2 - scaled,
-        sp.gammasimp(beta / (sp.sqrt(sp.pi) * sp.gamma((n + 3) / 2) / sp.gamma((n + 4) / 2))) - 1,
+        (1 + x**2 + y**2).subs(put) - 1 / sp.cos(wm.theta) ** 2,
+        normals - it.equals.doit().subs(x**2, cosine**-2 - 1 - y**2),
+    ]
+
+
+def _beta_folded(it: Equation) -> sp.Expr:
+    """Twice the integral up to 1, and beyond it over 1/r."""
+    (whole,) = it.means.atoms(sp.Integral)
+    beyond = whole.function.doit().subs(r, 1 / r) / r**2
+    beyond = beyond.subs((1 + r**-2) ** (-(n + 4) / 2), r ** (n + 4) * (1 + r**2) ** (-(n + 4) / 2))
+    parts = (whole.function, sp.powsimp(beyond, force=True))
+    return under_integral(it, 2 * sum(sp.Integral(part, (r, 0, 1)) for part in parts))
+
+
+def _beta_steps(it: Equation) -> list[Any]:
+    beta = 2 * sp.integrate((1 + r**2) ** (-(n + 4) / 2), (r, 0, sp.oo), conds="none")
+    return [sp.gammasimp(beta / it.equals.doit()) - 1]
+
+
+def _marginal_steps(it: Equation) -> list[Any]:
+    """1 + q^2 + y^2 = (1 + q^2)(1 + r^2), and dy = sqrt(1 + q^2) dr."""
+    base = sp.Symbol("base", positive=True)  # 1 + q^2
+    across = sp.sqrt(base) * r
+    moved = base ** (-(n + 4) / 2) * (1 + r**2) ** (-(n + 4) / 2) * sp.diff(across, r)
+    stated = it.means.doit(integrals=False) if it.means.has(sp.Integral) else it.means
+    spread = under_integral(it, sp.Symbol("spread"))
+    return [
+        base + across**2 - base * (1 + r**2),
+        moved / factor.means.function.doit() * K - it.equals.doit().subs(1 + q**2, base),
+        spread - sp.Symbol("spread"),
+        *(i.function.doit() - (1 + q**2 + y**2) ** (-(n + 4) / 2) for i in stated.atoms(sp.Integral)),
     ]
 
 

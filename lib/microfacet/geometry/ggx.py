@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import product
-from math import sqrt
+from math import atan, sqrt
 from typing import Any
 
 import sympy as sp
@@ -104,6 +104,43 @@ with sp.evaluate(False):
         note="The closed form subtracts two numbers near 1 where a is large; the rewrite does not.",
     )
 
+
+def _moment_steps() -> list[Any]:
+    """The antiderivative by differentiation; as the reach grows it passes every bound."""
+    closed = alpha**2 * (sp.asinh(reach / alpha) - reach / sp.sqrt(alpha**2 + reach**2))
+    grows = sp.limit(closed.subs(alpha, 1), reach, sp.oo)
+    return [
+        sp.diff(closed, reach) - 2 * (q**2 * P2.equals.doit()).subs(q, reach),
+        closed.subs(reach, 0),
+        sp.Integer(0 if grows == sp.oo else 1),
+    ]
+
+
+reach = sp.Symbol("Q", positive=True)
+with sp.evaluate(False):
+    half_below = Equation(
+        key="geometry.ggx.median",
+        title="half of all GGX slopes are below alpha",
+        symbol=raw("slopes_below_alpha", r"\int_{\tilde{x}^2 + \tilde{y}^2 < \alpha^2} P_{22} \, d\tilde{x} \, d\tilde{y}"),
+        means=sp.Integral(2 * q / (1 + q**2) ** 2, (q, 0, 1)),
+        equals=sp.Rational(1, 2),
+        enclosed=lambda it: balls.agreement(it.means, it.equals, (), [()]),
+        slides=(64, 65),
+        cite="walter2007",
+    )
+    moment = Equation(
+        key="geometry.ggx.second_moment",
+        title="mean square of GGX slopes up to a reach Q: it grows without limit",
+        symbol=raw("moment_ggx", r"\int_{-Q}^{Q} q^2 P_2(q) \, dq"),
+        means=sp.Integral(q**2 * (alpha**2 / (2 * (alpha**2 + q**2) ** sp.Rational(3, 2))), (q, -reach, reach)),
+        equals=alpha**2 * (sp.asinh(reach / alpha) - reach / sp.sqrt(alpha**2 + reach**2)),
+        proof=lambda: _moment_steps(),
+        proved_by="sympy: antiderivative by differentiation, and its limit",
+        enclosed=lambda it: balls.agreement(it.means, it.equals, (alpha, reach), [(0.1, 1.0), (1.0, 1.0), (1.0, 1e6)]),
+        slides=(64, 65),
+        cite="walter2007",
+    )
+
 with sp.evaluate(False):
     _k = sp.sqrt((1 - alpha) * (1 + alpha))
 
@@ -121,8 +158,57 @@ area = Equation(
     proved_by="sympy: antiderivative in the cosine of the normal's angle, its derivative and its limits",
     slides=(34,),
     cite="heitz2014",
-    note="Stated for alpha below 1; the limit at alpha = 1 is 2.",
+    note="Stated for alpha below 1.",
 )
+area_at_one = Equation(
+    key="geometry.ggx.area_at_one",
+    title="area of a GGX microsurface of alpha = 1",
+    symbol=normals_integral(r"D(\omega_m)"),
+    means=sp.Integral(2 * q * sp.sqrt(1 + q**2) / (1 + q**2) ** 2, (q, 0, sp.oo)),
+    equals=sp.Integer(2),
+    enclosed=lambda it: balls.agreement(balls.folded(it.means, 1), it.equals, (), [()]),
+    proof=lambda: [
+        sp.diff(-2 / sp.sqrt(1 + q**2), q) - 2 * q * sp.sqrt(1 + q**2) / (1 + q**2) ** 2,
+        sp.limit(area.equals, alpha, 1, "-") - 2,
+    ],
+    proved_by="sympy: the antiderivative; and the limit of the form below 1",
+    slides=(34,),
+    cite="heitz2014",
+)
+
+
+def kernel_area(alpha: float) -> float:
+    k = sqrt((alpha - 1.0) * (alpha + 1.0))
+    return 1.0 + alpha * alpha * atan(k) / k
+
+
+with sp.evaluate(False):
+    area_above = Equation(
+        key="geometry.ggx.area_above",
+        title="area of a GGX microsurface of alpha above 1",
+        symbol=normals_integral(r"D(\omega_m)"),
+        means=area.means,
+        equals=1 + alpha**2 * sp.atan(sp.sqrt(alpha**2 - 1)) / sp.sqrt(alpha**2 - 1),
+        computed_by=kernel_area,
+        enclosed=lambda it: balls.agreement(balls.folded(it.means, 1), it.equals, (alpha,), [(1.001,), (2.0,), (10.0,)]),
+        over={alpha: (1.001, 10)},
+        proof=lambda: _area_above_steps(),
+        proved_by="sympy: antiderivative in the cosine of the normal's angle, its derivative and its limits",
+        slides=(34,),
+        cite="heitz2014",
+    )
+
+
+def _area_above_steps() -> list[Any]:
+    """As below 1, with arctan in place of artanh."""
+    z, k = sp.symbols("z k", positive=True)
+    antiderivative = (1 + k**2) * (z / (1 + k**2 * z**2) + sp.atan(k * z) / k)
+    stated = 1 + (1 + k**2) * sp.atan(k) / k
+    return [
+        sp.diff(antiderivative, z) - 2 * (1 + k**2) / (1 + k**2 * z**2) ** 2,
+        antiderivative.subs(z, 1) - antiderivative.subs(z, 0) - stated,
+        stated.subs(k, sp.sqrt(alpha**2 - 1)) - area_above.equals.doit(),
+    ]
 
 
 def _area_steps() -> list[Any]:

@@ -17,10 +17,11 @@ import sympy as sp
 
 from microfacet.directions import as_numbers, as_uniform, as_vectors
 from microfacet.kernels import Batch, Parameters
-from microfacet.notation import Direction, alpha_x, alpha_y, chi, raw, x, y
+from microfacet.notation import P22, Direction, alpha_x, alpha_y, chi, raw, x, y
 from microfacet.statement import Equation
 
 m = Direction("m")
+NORMS = tuple(f"geometry.{name}.projected_area" for name in ("beckmann", "ggx", "normalized_blinn_phong"))
 P22_at_m = raw("P22", r"P_{22}(\tilde{x}, \tilde{y})")
 
 # --- statements ---------------------------------------------------------------------------------------------------
@@ -71,6 +72,35 @@ with sp.evaluate(False):
         over={P22_at_m: (1e-6, 1e6), m: "hemisphere"},
         slides=(64,),
         cite="heitz2014",
+    )
+
+
+def normals_integral(inside: str) -> sp.Symbol:
+    """The left-hand side of an integral over all normals."""
+    return raw(f"integral_{zlib.crc32(inside.encode())}", rf"\int_{{\Omega}} {inside} \, d\omega_m")
+
+
+def _projection_steps(it: Equation) -> list[Any]:
+    """Of the check comes one cosine, of the solid angle three: they cancel the fourth power in D."""
+    density = normals_from_slopes.equals.doit().subs(chi(sp.cos(m.theta)), 1)
+    integrand = sp.cos(m.theta) * density * solid_angle.equals
+    everywhere = sp.Integral(integrand.subs(P22_at_m, P22(x, y)).doit(), (x, -sp.oo, sp.oo), (y, -sp.oo, sp.oo))
+    return [sp.simplify(integrand - P22_at_m), it.means - everywhere.simplify(), it.equals - 1]
+
+
+with sp.evaluate(False):
+    projected_area = Equation(
+        key="geometry.slopes.projected_area",
+        title="facets project to the whole surface: their slopes have a probability density",
+        symbol=normals_integral(r"\left( \omega_m \cdot \omega_g \right) D(\omega_m)"),
+        means=sp.Integral(P22(x, y), (x, -sp.oo, sp.oo), (y, -sp.oo, sp.oo)),
+        equals=sp.Integer(1),
+        proof=_projection_steps,
+        proved_by="sympy: the integrand in slopes is the density of slopes",
+        enclosed=NORMS,
+        slides=(35, 36, 64),
+        cite="heitz2014",
+        note="The first validation equation; enclosed for each distribution that meets it.",
     )
 
 
@@ -174,11 +204,6 @@ def unstretched_norm(density: sp.Expr) -> sp.Integral:
     r, angle = sp.Symbol("r", positive=True), sp.Symbol("angle", real=True)
     moved = density.doit().subs({x: alpha_x * r * sp.cos(angle), y: alpha_y * r * sp.sin(angle)}) * alpha_x * alpha_y
     return sp.Integral(sp.simplify(2 * sp.pi * r * moved), (r, 0, sp.oo))
-
-
-def normals_integral(inside: str) -> sp.Symbol:
-    """The left-hand side of an integral over all normals."""
-    return raw(f"integral_{zlib.crc32(inside.encode())}", rf"\int_{{\Omega}} {inside} \, d\omega_m")
 
 
 def stretched(P: Callable[[sp.Expr, sp.Expr], sp.Expr]) -> sp.Expr:

@@ -69,18 +69,48 @@ def _dielectric_steps() -> list[Any]:
     return [sp.simplify(difference), sp.simplify((eta * _refracted()) ** 2 - (eta**2 - 1 + c**2))]
 
 
+def _normal_steps(it: Equation) -> list[Any]:
+    """Both materials at c = 1; without absorption the conductor's is the dielectric's."""
+    glass = dielectric_F.computed_as.doit().subs(c, 1) - ((eta - 1) / (eta + 1)) ** 2
+    put = {_A: eta, _B2: kappa**2}  # at c = 1 the square root is that of a square
+    squares = [(_T.subs(c, 1) + put[_A] ** 2 + put[_B2]) / 2 - eta**2, (put[_A] ** 2 + put[_B2]) ** 2 - _LENGTH.subs(c, 1) ** 2]
+    metal = conductor_F.equals.doit().subs({c: 1, _a: eta, _b: kappa}) - it.equals.doit()
+    return [glass, *squares, metal, it.equals.doit().subs(kappa, 0) - ((eta - 1) / (eta + 1)) ** 2]
+
+
+def _refraction_steps() -> list[Any]:
+    """Snell: the sines are as the indices; then the squares of both forms of g."""
+    sine = sp.sqrt(1 - c**2) / eta
+    return [sp.sqrt(1 - sine**2) - _refracted(), (eta * _refracted()) ** 2 - (eta**2 - 1 + c**2)]
+
+
+refracted = raw("c_t", r"c_t", positive=True)  # cosine between refracted light and facet
+
 with sp.evaluate(False):
     _root = sp.sqrt(eta**2 - 1 + c**2)
+    refraction = Equation(
+        key="material.fresnel.refraction",
+        title="cosine of the refracted ray, times the index",
+        symbol=g,
+        means=eta * refracted,
+        equals=_root,
+        where={refracted: _refracted()},
+        computed_as=sp.sqrt((eta - 1) * (eta + 1) + c**2),
+        proof=_refraction_steps,
+        proved_by="sympy: Snell's law put in, then squares of both sides",
+        over={c: COSINE, eta: (1.0001, 4)},
+        slides=(47, 48),
+        cite="cook1982",
+    )
     dielectric_F = Equation(
         key="material.fresnel.dielectric",
         title="Fresnel reflectance of a dielectric",
         symbol=raw("F_dielectric", reflectance),
-        means=(
-            ((c - eta * _refracted()) / (c + eta * _refracted())) ** 2
-            + ((eta * c - _refracted()) / (eta * c + _refracted())) ** 2
-        )
-        / 2,
-        equals=((_root - c) / (_root + c)) ** 2 * (1 + ((c * (_root + c) - 1) / (c * (_root - c) + 1)) ** 2) / 2,
+        means=(((c - eta * refracted) / (c + eta * refracted)) ** 2 + ((eta * c - refracted) / (eta * c + refracted)) ** 2) / 2,
+        equals=((g - c) / (g + c)) ** 2 * (1 + ((c * (g + c) - 1) / (c * (g - c) + 1)) ** 2) / 2,
+        computed_as=((_root - c) / (_root + c)) ** 2 * (1 + ((c * (_root + c) - 1) / (c * (_root - c) + 1)) ** 2) / 2,
+        where={refracted: _refracted(), g: _root},
+        rewrite_proof=list,
         computed_by=dielectric,
         over={c: COSINE, eta: (1.0001, 4)},
         proof=_dielectric_steps,
@@ -151,6 +181,20 @@ conductor_F = Equation(
     cite="cook1982",
     note=r"$a_k + i b_k = \sqrt{(\eta + i \kappa)^2 - 1 + c^2}$; index $\eta + i \kappa$, outside 1.",
 )
+
+with sp.evaluate(False):
+    normal_F = Equation(
+        key="material.fresnel.normal",
+        title="Fresnel reflectance at normal incidence",
+        symbol=F0,
+        equals=((eta - 1) ** 2 + kappa**2) / ((eta + 1) ** 2 + kappa**2),
+        over={eta: (0.05, 5), kappa: (0.01, 10)},
+        proof=_normal_steps,
+        proved_by="sympy: c = 1 put into both reflectances; the dielectric's is the case kappa = 0",
+        slides=(47, 48),
+        cite="cook1982",
+    )
+
 
 # --- what a BRDF takes ------------------------------------------------------------------------------------------------
 

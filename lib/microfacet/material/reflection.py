@@ -6,9 +6,13 @@ from typing import Any
 
 import sympy as sp
 
-from microfacet.notation import G1, D, ih, mu_o, om, raw
+from microfacet import balls
+from microfacet.geometry import ggx
+from microfacet.geometry.slopes import normals_integral
+from microfacet.notation import G1, D, a, alpha_x, alpha_y, chi, ih, mu_i, mu_o, om, raw, wm
+from microfacet.proofs import grounded
 from microfacet.statement import Equation
-from microfacet.visibility.masking import MODELS
+from microfacet.visibility.masking import MODELS, visible_norm, visible_normals
 
 m_vector, o_vector = raw("m_vector", r"\omega_m"), raw("o_vector", r"\omega_o")
 i_vector, h_vector = raw("i_vector", r"\omega_i"), raw("h_vector", r"\omega_h")
@@ -36,6 +40,35 @@ def _jacobian_steps() -> list[Any]:
     return [per_half / per_light - 1 / (4 * sp.cos(angle / 2))]
 
 
+def _half_angle_steps(it: Equation) -> list[Any]:
+    """Elements of solid angle at gamma/2 and at gamma; the azimuth is the same."""
+    element = sp.sin(gamma / 2) * sp.diff(gamma / 2, gamma)
+    return [element / sp.sin(gamma) - it.means.subs(it.where), *grounded(it)]
+
+
+def _furnace_steps(it: Equation) -> list[Any]:
+    """Reflected directions, with d omega_i = 4 (wo.wm) d omega_m put in, are the visible normals."""
+    stretch = 1 / jacobian.equals.doit().subs(ih, om)
+    same = reflected.equals.doit() * stretch - visible_normals.equals.doit()
+    return [same, it.means - visible_norm.symbol, it.equals - visible_norm.equals]
+
+
+def _down_steps() -> list[Any]:
+    """At alpha = 1: D is 1/pi, G1 is 2 mu/(1 + mu); so the density is constant wherever the half vector points up."""
+    unit = {alpha_x: 1, alpha_y: 1, **wm.spherical}
+    masked = 1 / (1 + ggx.Lambda.equals.doit().subs(a, mu_o / sp.sqrt(1 - mu_o**2)))
+    density = reflected.equals.doit().subs({G1: 2 * mu_o / (1 + mu_o), D: 1 / sp.pi})
+    return [
+        ggx.D.computed_as.doit().subs(chi(wm.z), 1).subs(unit) - 1 / sp.pi,
+        masked - 2 * mu_o / (1 + mu_o),
+        density - 1 / (2 * sp.pi * (1 + mu_o)),
+        1 - 2 * sp.pi / (2 * sp.pi * (1 + mu_o)) - mu_o / (1 + mu_o),
+    ]
+
+
+gamma = sp.Symbol("gamma", positive=True)  # between the view and the light
+sin_half, cos_half = raw("sin_half", r"\sin\frac{\gamma}{2}"), raw("cos_half", r"\cos\frac{\gamma}{2}")
+
 with sp.evaluate(False):
     mirror = Equation(
         key="material.reflection.mirror",
@@ -55,6 +88,21 @@ with sp.evaluate(False):
         slides=(45, 46),
         cite="walter2007",
         note="Undefined for wi = -wo, which no facet joins; the library returns the zero vector there.",
+    )
+    half_angle = Equation(
+        key="material.reflection.half_angle",
+        title="solid angle around the view direction, at half the angle and at the whole",
+        symbol=raw(
+            "half_per_whole",
+            r"\frac{\sin\frac{\gamma}{2} \, d\frac{\gamma}{2} \, d\varphi}{\sin\gamma \, d\gamma \, d\varphi}",
+        ),
+        means=sin_half / (2 * sp.sin(gamma)),
+        equals=1 / (4 * cos_half),
+        where={sin_half: sp.sin(gamma / 2), cos_half: sp.cos(gamma / 2)},
+        proof=_half_angle_steps,
+        proved_by="sympy: the element at half the angle, then the sine of the double angle",
+        slides=(46,),
+        cite="walter2007",
     )
     jacobian = Equation(
         key="material.reflection.jacobian",
@@ -83,9 +131,26 @@ with sp.evaluate(False):
         key="material.reflection.weak_furnace",
         title="the weak white furnace: with perfect mirrors and no shadowing nothing is lost",
         symbol=raw("weak_furnace", r"\int_{\Omega} \frac{G_1(\omega_o, \omega_h) D(\omega_h)}{4 \cos \theta_o} \, d\omega_i"),
+        means=normals_integral(r"D_{\omega_o}(\omega_m)"),
         equals=sp.Integer(1),
+        proof=_furnace_steps,
+        proved_by="sympy: by the Jacobian it is the norm of the visible normals",
         enclosed=MODELS,
         slides=(46,),
         cite="heitz2014",
         note="Over the whole sphere of light directions: reflections that go down still count here.",
+    )
+    down = Equation(
+        key="material.reflection.down",
+        title="what mirrors send down, for GGX at alpha = 1",
+        symbol=raw("sent_down", r"1 - \int_{\Omega^{+}} p_{\omega_o}(\omega_i) \, d\omega_i"),
+        means=1 - sp.Integral(1 / (1 + mu_o), (mu_i, 0, 1)),
+        equals=mu_o / (1 + mu_o),
+        proof=_down_steps,
+        proved_by="sympy: D and G1 at alpha = 1 put in; the density does not depend on the light",
+        enclosed=lambda it: balls.agreement(it.means, it.equals, (mu_o,), [(1e-6,), (0.3,), (1.0,)]),
+        over={mu_o: (1e-8, 1)},
+        slides=(46,),
+        cite="dupuy2023",
+        note="The upper hemisphere alone makes a right model look wrong by this much.",
     )

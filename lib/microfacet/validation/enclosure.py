@@ -17,7 +17,7 @@ from microfacet import balls
 from microfacet.balls import Ball, Enclosure, ball
 from microfacet.geometry import beckmann, blinn_phong, ggx, ward
 from microfacet.geometry.slopes import normals_integral
-from microfacet.notation import P2, Lambda_o, a, alpha, mu_o, n, q, raw, theta_o, wm
+from microfacet.notation import Lambda_o, a, alpha, mu_o, n, q, raw, theta_o, wm
 from microfacet.statement import Equation, expand_abbreviations
 
 ROUGH = (1e-4, 0.1, 1.0, 10.0)
@@ -37,7 +37,8 @@ CONSTANT, SLOPE, LOW, HIGH = sp.symbols("constant slope low high", real=True)
 class Slopes:
     """One distribution's slopes along the view, as functions of w, which goes from -end to end.
 
-    q: the slope. density: P2(q) as stated elsewhere. level: density times dq/dw. tilted: the same times q.
+    q: the slope. density: P2(q) as stated elsewhere; printed: the same, as it was written.
+    level: density times dq/dw. tilted: the same times q.
     hidden: Smith's Lambda. Lambda, edge: the same, and w at q = cot theta_o, from shape and tan theta_o.
     missing: bounds what 1 and q tan theta_o, times the density, integrate to beyond the ends.
     """
@@ -46,6 +47,7 @@ class Slopes:
     shapes: tuple[float, ...]
     q: sp.Expr
     density: sp.Expr
+    printed: sp.Expr
     level: sp.Expr
     tilted: sp.Expr
     end: sp.Expr
@@ -97,11 +99,7 @@ def _ggx_Lambda(alpha: Ball, tangent: Ball) -> Ball:
 
 
 def _student_Lambda(n: Ball, tangent: Ball) -> Ball:
-    K = (
-        (n + 2)
-        / (2 * balls.pi())
-        * balls.evaluator(blinn_phong.marginal_factor.equals.subs(q, 0), (sp.Symbol("n", positive=True),))(n)
-    )
+    K = (n + 2) / (2 * balls.pi()) * _function(blinn_phong.factor, sp.Symbol("n", positive=True))(n)
     return _function(blinn_phong.Lambda, *blinn_phong.Lambda.arguments)(1 / tangent, n, K)
 
 
@@ -116,6 +114,7 @@ BECKMANN = Slopes(
     shapes=ROUGH,
     q=alpha * w,
     density=beckmann.P2.equals.doit(),
+    printed=beckmann.P2.equals,
     level=sp.exp(-(w**2)) / sp.sqrt(sp.pi),
     tilted=alpha * w * sp.exp(-(w**2)) / sp.sqrt(sp.pi),
     end=sp.Integer(FAR),
@@ -129,6 +128,7 @@ GGX = Slopes(
     shapes=ROUGH,
     q=alpha * sp.tan(w),
     density=ggx.P2.equals.doit(),
+    printed=ggx.P2.equals,
     level=sp.cos(w) / 2,
     tilted=alpha * sp.sin(w) / 2,
     end=sp.pi / 2,
@@ -136,12 +136,13 @@ GGX = Slopes(
     Lambda=_ggx_Lambda,
     edge=lambda alpha, tangent: (1 / (alpha * tangent)).atan(),
 )
-_NORM = (n + 2) / (2 * sp.pi) * sp.sqrt(sp.pi) * sp.gamma((n + 3) / 2) / sp.gamma((n + 4) / 2)
+_NORM = (n + 2) / (2 * sp.pi) * blinn_phong.factor.equals.doit()
 STUDENT = Slopes(
     shape=n,
     shapes=POWERS,
     q=sp.tan(w),
-    density=(n + 2) / (2 * sp.pi) * blinn_phong.marginal_factor.equals.doit(),
+    density=blinn_phong.marginal.equals.doit().subs(blinn_phong.K, _NORM),
+    printed=blinn_phong.marginal.equals,
     level=_NORM * sp.cos(w) ** (n + 1),
     tilted=_NORM * sp.cos(w) ** n * sp.sin(w),
     end=sp.pi / 2,
@@ -188,11 +189,18 @@ share = raw(
     r" \left\langle \omega_o, \omega_m \right\rangle D(\omega_m) \, d\omega_m",
 )
 
-with sp.evaluate(False):
-    _TURNED = sp.Integral((1 - q * sp.tan(theta_o)) * P2(q), (q, -sp.oo, sp.cot(theta_o))) / (1 + Lambda_o)
-    _CAVITY = sp.Integral(2 * P2(q), (q, -sp.oo, -sp.cot(theta_o))) + sp.Integral(
-        (1 - q * sp.tan(theta_o)) * P2(q), (q, -sp.cot(theta_o), sp.cot(theta_o))
-    )
+
+def _turned(P2: sp.Expr) -> sp.Expr:
+    """What Smith's masking leaves of the facets turned to the viewer."""
+    with sp.evaluate(False):
+        return sp.Integral((1 - q * sp.tan(theta_o)) * P2, (q, -sp.oo, sp.cot(theta_o))) / (1 + Lambda_o)
+
+
+def _free_and_cut(P2: sp.Expr) -> sp.Expr:
+    """What V-cavities leave: all of the facets that lean little, and twice the plane's share of those that lean far."""
+    free, cut = (-sp.cot(theta_o), sp.cot(theta_o)), (-sp.oo, -sp.cot(theta_o))
+    with sp.evaluate(False):
+        return sp.Integral(2 * P2, (q, *cut)) + sp.Integral((1 - q * sp.tan(theta_o)) * P2, (q, *free))
 
 
 def _smith_steps(slopes: Slopes) -> list[Any]:
@@ -210,10 +218,10 @@ def _smith(key: str, over: str, slopes: Slopes) -> Equation:
         key=key,
         title=f"Smith over {over}: what is seen is what there is to see",
         symbol=share,
-        means=_TURNED,
+        means=_turned(slopes.printed),
         equals=sp.Integer(1),
-        where={P2(q): slopes.density, Lambda_o: slopes.hidden},
-        proof=lambda: _smith_steps(slopes),
+        where={blinn_phong.K: _NORM, Lambda_o: slopes.hidden},
+        proof=lambda it: [*_smith_steps(slopes), it.means - _turned(slopes.printed), it.equals - 1],
         proved_by="sympy: the hidden part is Lambda's integral; the slopes are even, and their density is of norm 1",
         enclosed=lambda it: _enclosed(smith_residual, slopes),
         slides=(39, 40, 58),
@@ -226,10 +234,10 @@ def _cavity(key: str, over: str, slopes: Slopes) -> Equation:
         key=key,
         title=f"V-cavities over {over}: what is seen is what there is to see",
         symbol=share,
-        means=_CAVITY,
+        means=_free_and_cut(slopes.printed),
         equals=sp.Integer(1),
-        where={P2(q): slopes.density},
-        proof=lambda: _cavity_steps(slopes),
+        where={blinn_phong.K: _NORM},
+        proof=lambda it: [*_cavity_steps(slopes), it.means - _free_and_cut(slopes.printed), it.equals - 1],
         proved_by="sympy: a slope and its opposite together show 2; the slopes are even, and their density is of norm 1",
         enclosed=lambda it: _enclosed(cavity_residual, slopes),
         slides=(39, 40, 58),
@@ -350,6 +358,7 @@ def _sign_steps(bracket: sp.Expr, largest: sp.Expr) -> list[Any]:
 
 
 with sp.evaluate(False):
+    missing = share - 1
     _IMPLICIT = (1 - mu_o) * (alpha**2 * (1 + mu_o) - 4) / (2 * (2 - mu_o + root))
     _SCHLICK = (
         (1 - mu_o)
@@ -377,7 +386,7 @@ def _closed_enclosed(masking: sp.Expr, stated: sp.Expr, alphas: tuple[float, ...
 implicit_ggx = Equation(
     key="validation.table2.implicit_ggx",
     title="by how much Implicit masking over GGX misses what there is to see",
-    symbol=share - 1,
+    symbol=missing,
     equals=_IMPLICIT,
     proof=lambda: [*_closed_steps(mu_o, _IMPLICIT), *_sign_steps(alpha**2 * (1 + mu_o) - 4, sp.sqrt(2))],
     proved_by="sympy: Lambda put in, then modulo the square of the root",
@@ -389,7 +398,7 @@ implicit_ggx = Equation(
 schlick_ggx = Equation(
     key="validation.table2.schlick_smith_ggx",
     title="by how much Schlick-Smith over GGX misses what there is to see",
-    symbol=share - 1,
+    symbol=missing,
     equals=_SCHLICK,
     proof=lambda: [
         *_closed_steps(mu_o / (mu_o + k * (1 - mu_o)), _SCHLICK),
@@ -406,7 +415,7 @@ schlick_ggx = Equation(
 halved_ggx = Equation(
     key="validation.table2.schlick_smith_halved_ggx",
     title="by how much Schlick-Smith with k = alpha/2 over GGX misses what there is to see",
-    symbol=share - 1,
+    symbol=missing,
     equals=_HALVED,
     proof=lambda: [*_closed_steps((mu_o / (mu_o + k * (1 - mu_o))).subs(k, alpha / 2), _HALVED), _HALVED.doit().subs(alpha, 1)],
     proved_by="sympy: Lambda put in, then modulo the square of the root",

@@ -101,6 +101,11 @@ def _falls_short(lower: Any, upper: Any) -> list[Any]:
     return [sp.Integer(0 if all(term > 0 for term in terms) else 1)]
 
 
+def _touch(it: Equation, symbol: sp.Symbol, value: int) -> list[Any]:
+    """Both sides are the same there: nothing smaller would be a bound."""
+    return [_ordered(it.symbol.subs(symbol, value) - it.equals.subs(it.where).subs(symbol, value))]
+
+
 with sp.evaluate(False):
     _SMALLER = 1 / (1 + sp.Max(Lambda_o, Lambda_i))
     smaller = Equation(
@@ -108,8 +113,8 @@ with sp.evaluate(False):
         title="the smaller of both masking functions",
         symbol=sp.Min(G1, G1_i),
         equals=_SMALLER,
-        proof=lambda: [
-            sp.Max(less, less + more) - less - more,
+        proof=lambda it: [
+            _ordered(it.equals) - _ordered(1 / (1 + Lambda_i)),
             *_falls_short(1 / (1 + Lambda_i), 1 / (1 + Lambda_o)),
         ],
         proved_by="sympy: the larger Lambda belongs to the smaller G1",
@@ -122,7 +127,7 @@ with sp.evaluate(False):
         symbol=separable.equals,
         equals=height.equals,
         relation=r"\le",
-        proof=lambda: _falls_short(separable.equals, height.equals),
+        proof=lambda it: [*_falls_short(it.symbol, it.equals), *_touch(it, Lambda_o, 0)],
         proved_by="sympy: over the common denominator the difference is the product of both Lambdas",
         slides=(49, 50),
         cite="heitz2014",
@@ -133,7 +138,7 @@ with sp.evaluate(False):
         symbol=height.equals,
         equals=height_direction.equals,
         relation=r"\le",
-        proof=lambda: _falls_short(height.equals, height_direction.equals),
+        proof=lambda it: [*_falls_short(it.symbol, it.equals), *_touch(it, blend, 1)],
         proved_by="sympy: over the common denominator the difference has no negative term",
         slides=(49, 50),
         cite="heitz2014",
@@ -143,8 +148,9 @@ with sp.evaluate(False):
         title="light and viewer together see no more than the one that sees less",
         symbol=height_direction.equals,
         equals=sp.Min(G1, G1_i),
+        where={sp.Min(G1, G1_i): _SMALLER},
         relation=r"\le",
-        proof=lambda: _falls_short(height_direction.equals, _SMALLER),
+        proof=lambda it: [*_falls_short(it.symbol, it.equals.subs(it.where)), *_touch(it, blend, 0)],
         proved_by="sympy: over the common denominator the difference has no negative term",
         slides=(49, 50),
         cite="heitz2014",
@@ -154,8 +160,13 @@ with sp.evaluate(False):
         title="the same for correlation by direction",
         symbol=direction.equals,
         equals=sp.Min(G1, G1_i),
+        where={sp.Min(G1, G1_i): _SMALLER},
         relation=r"\le",
-        proof=lambda: [*_falls_short(direction.equals, _SMALLER), *_falls_short(separable.equals, direction.equals)],
+        proof=lambda it: [
+            *_falls_short(it.symbol, it.equals.subs(it.where)),
+            *_falls_short(separable.equals, it.symbol),
+            *_touch(it, blend, 0),
+        ],
         proved_by="sympy: over the common denominator the difference has no negative term; nor has that to the product of both",
         slides=(49, 50),
         cite="ashikhmin2000; heitz2014",
@@ -165,9 +176,10 @@ with sp.evaluate(False):
         title="from the same azimuth, what one direction sees the other sees, or less",
         symbol=raw("G2_near", r"\lim_{\lambda \to 0} G_2(\omega_o, \omega_i, \omega_m)"),
         equals=sp.Min(G1, G1_i),
-        proof=lambda: [
+        where={sp.Min(G1, G1_i): _SMALLER},
+        proof=lambda it: [
             correlation.equals.doit().subs(phi, 0),
-            *(form.equals.doit().subs(blend, 0) - _SMALLER.doit() for form in (direction, height_direction)),
+            *(form.equals.doit().subs(blend, 0) - it.equals.subs(it.where).doit() for form in (direction, height_direction)),
         ],
         proved_by="sympy: lambda(0) = 0 put into both forms",
         slides=(49, 50),
@@ -178,7 +190,7 @@ with sp.evaluate(False):
         title="far apart, correlation by direction leaves masking and shadowing independent",
         symbol=raw("G2_far_direction", r"\lim_{\lambda \to 1} G_2(\omega_o, \omega_i, \omega_m)"),
         equals=separable.equals,
-        proof=lambda: [direction.equals.doit().subs(blend, 1) - separable.equals.doit()],
+        proof=lambda it: [direction.equals.doit().subs(blend, 1) - it.equals.doit()],
         proved_by="sympy: lambda = 1 put in",
         slides=(49, 50),
         cite="ashikhmin2000",
@@ -188,9 +200,8 @@ with sp.evaluate(False):
         title="far apart, correlation by height is left",
         symbol=raw("G2_far_heights", r"\lim_{\lambda \to 1} G_2(\omega_o, \omega_i, \omega_m)"),
         equals=height.equals,
-        proof=lambda: [
-            sp.Max(less, less + more) - less - more,
-            _ordered(height_direction.equals).subs(blend, 1) - _ordered(height.equals),
+        proof=lambda it: [
+            _ordered(height_direction.equals).subs(blend, 1) - _ordered(it.equals),
             sp.limit(correlation.equals.doit(), phi, sp.oo) - 1,
         ],
         proved_by="sympy: lambda = 1 put in, which it tends to as the azimuths part",

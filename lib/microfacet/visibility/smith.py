@@ -17,6 +17,7 @@ from microfacet.geometry.ggx import GGX, ROUGHNESS
 from microfacet.geometry.slopes import Distribution
 from microfacet.notation import P2, Lambda_o, alpha, alpha_x, alpha_y, chi, mu_o, om, q, raw, theta_o, u, v, wo, y
 from microfacet.notation import alpha_o as roughness_o
+from microfacet.proofs import grounded
 from microfacet.statement import Equation
 from microfacet.visibility import shadowing
 from microfacet.visibility.masking import Masking, hidden, seen
@@ -48,7 +49,7 @@ with sp.evaluate(False):
         computed_as=wo.z / sp.sqrt((alpha_x * wo.x) ** 2 + (alpha_y * wo.y) ** 2),
         where={**wo.spherical, roughness_o: alpha_o.equals},
         over={wo: "hemisphere", alpha_x: ROUGHNESS, alpha_y: ROUGHNESS},
-        rewrite_proof=lambda: argument_steps(),
+        rewrite_proof=lambda: _argument_steps(),
         slides=(63, 71),
         cite="heitz2014",
     )
@@ -69,7 +70,7 @@ with sp.evaluate(False):
         symbol=raw("facet_shows", r"\frac{\omega_o \cdot \omega_m}{\omega_m \cdot \omega_g}"),
         means=sp.cos(theta_o) - q * sp.sin(theta_o),
         equals=sp.sin(theta_o) * (sp.cot(theta_o) - q),
-        proof=lambda: _facet_steps(),
+        proof=lambda it: _facet_steps(it),
         proved_by="sympy: the view in the plane of the first axis, the facet by its slopes",
         slides=(38, 39),
         cite="heitz2014",
@@ -81,7 +82,7 @@ with sp.evaluate(False):
         means=sp.Integral((sp.cos(theta_o) - q * sp.sin(theta_o)) * P2(q), (q, -sp.oo, sp.oo)),
         equals=mu_o,
         where={P2(q): beckmann.P2.equals, mu_o: sp.cos(theta_o)},
-        proof=lambda: _signed_steps(),
+        proof=lambda it: [*grounded(it), *_signed_steps()],
         proved_by="sympy: P2 has the integral 1 and the mean 0, as Beckmann's and that of GGX",
         slides=(38, 39),
         cite="heitz2014",
@@ -116,7 +117,7 @@ with sp.evaluate(False):
         symbol=raw("chance_at_u", r"s(u)"),
         means=sp.exp(-sp.Integral(Lambda_o / v, (v, u, 1))),
         equals=u**Lambda_o,
-        proof=lambda: _survival_steps(),
+        proof=lambda it: _survival_steps(it),
         proved_by="sympy: it solves ds/s = Lambda du/u and is 1 at the top",
         enclosed=lambda it: balls.agreement(it.means, it.equals, (Lambda_o, u), [(0.25, 0.5), (1.0, 1e-6), (1e3, 0.9)]),
         over={Lambda_o: (0, 100), u: (0.01, 1)},
@@ -138,11 +139,11 @@ with sp.evaluate(False):
     )
 
 
-def _facet_steps() -> list[Any]:
+def _facet_steps(it: Equation) -> list[Any]:
     """A view in the plane of the first axis; the facet's normal is (-q, -y, 1) over its length, which cancels."""
     view, normal = sp.Matrix([sp.sin(theta_o), 0, sp.cos(theta_o)]), sp.Matrix([-q, -y, 1])
     shown = view.dot(normal) / normal[2]
-    return [shown - (sp.cos(theta_o) - q * sp.sin(theta_o)), shown - sp.sin(theta_o) * (1 / sp.tan(theta_o) - q)]
+    return [shown - it.means, shown - it.equals.subs(sp.cot(theta_o), 1 / sp.tan(theta_o))]
 
 
 def _signed_steps() -> list[Any]:
@@ -156,9 +157,9 @@ def _signed_steps() -> list[Any]:
     return steps
 
 
-def _survival_steps() -> list[Any]:
-    stated = u**Lambda_o
-    return [sp.diff(stated, u) / stated - Lambda_o / u, stated.subs(u, 1) - 1]
+def _survival_steps(it: Equation) -> list[Any]:
+    stated = it.equals
+    return [it.means - stated, sp.diff(stated, u) / stated - Lambda_o / u, stated.subs(u, 1) - 1]
 
 
 def _alpha_steps() -> list[Any]:
@@ -166,7 +167,7 @@ def _alpha_steps() -> list[Any]:
     return [(sp.cos(wo.phi) ** 2 * alpha_x**2 + sp.sin(wo.phi) ** 2 * alpha_y**2) - _stretched_square() / sp.sin(wo.theta) ** 2]
 
 
-def argument_steps() -> list[Any]:
+def _argument_steps() -> list[Any]:
     """alpha_o tan theta_o squared is what stands under the root, over cos^2 theta_o."""
     alpha_squared = sp.cos(wo.phi) ** 2 * alpha_x**2 + sp.sin(wo.phi) ** 2 * alpha_y**2
     return [alpha_squared * sp.tan(wo.theta) ** 2 - _stretched_square() / sp.cos(wo.theta) ** 2]

@@ -34,11 +34,20 @@ from microfacet.notation import (
     y,
 )
 from microfacet.notation import alpha_o as roughness_o
+from microfacet.proofs import grounded, under_integral
 from microfacet.statement import Equation
-from microfacet.visibility import masking, smith, v_cavity
+from microfacet.visibility import masking, v_cavity
 
 across = sp.Symbol("r", real=True)  # a slope across the view
 turned_P22 = raw("P22_turned", r"P_{22}'(q \cos\phi_o - r \sin\phi_o, \, q \sin\phi_o + r \cos\phi_o)")
+chained = raw("slope_by_chain", r"\frac{\partial}{\partial x} h(\alpha_x x, \alpha_y y)")
+slope_before = raw("slope_before", r"\tilde{x}(\alpha_x x, \alpha_y y)")
+facing_after = raw("facing_stretched", r"\frac{\omega_o' \cdot \omega_m'}{z_o' z_m'}")
+facing_before = raw("facing_before", r"\frac{\omega_o \cdot \omega_m}{z_o z_m}")
+leaning = raw("slope_over_sight", r"\frac{x_o \tilde{x} + y_o \tilde{y}}{z_o}")
+masked_before = raw("G1_before", r"G_1(\omega_o, \omega_m)")
+shares_after = raw("shares_stretched", r"D_{\omega_o'}'(\omega_m') \, d\omega_m'")
+shares_before = raw("shares_before", r"D_{\omega_o}(\omega_m) \, d\omega_m")
 STRETCHED_P22 = raw("P22_stretched", r"P_{22}'(\tilde{x}, \tilde{y})")
 FAMILIES = (beckmann, ggx)
 ALONG = sp.cos(phi_o) ** 2 * alpha_x**2 + sp.sin(phi_o) ** 2 * alpha_y**2  # alpha_o squared
@@ -66,24 +75,22 @@ def moved_slopes() -> dict[sp.Symbol, sp.Expr]:
     return {x: alpha_x * x, y: alpha_y * y}
 
 
-def _chain_steps() -> list[Any]:
-    """The chain rule, for any height field, along both axes."""
+def _chain_steps(it: Equation) -> list[Any]:
+    """Of any height field: the derivative of the stretched one, and the slope before at the place that came there."""
     first, second = sp.symbols("first second", real=True)
     h = sp.Function("h")
     there = {first: alpha_x * first, second: alpha_y * second}
-    moved = h(alpha_x * first, alpha_y * second)
-    return [
-        sp.diff(moved, axis) - scale * sp.diff(h(first, second), axis).subs(there, simultaneous=True)
-        for axis, scale in ((first, alpha_x), (second, alpha_y))
-    ]
+    before = sp.diff(h(first, second), first).subs(there, simultaneous=True)
+    return [it.means.subs(chained, sp.diff(h(alpha_x * first, alpha_y * second), first)) - it.equals.subs(slope_before, before)]
 
 
-def _density_steps() -> list[Any]:
+def _density_steps(it: Equation) -> list[Any]:
     """The area that slopes are spread over grows by the Jacobian; Beckmann and GGX are stretched from their unit forms."""
     spread = sp.Matrix([alpha_x * x, alpha_y * y]).jacobian([x, y]).det()
-    back = {x: x / alpha_x, y: y / alpha_y, alpha_x: 1, alpha_y: 1}
     forms = [family.P22.equals.doit() for family in FAMILIES]
-    return [spread - alpha_x * alpha_y, *(form - form.subs(back, simultaneous=True) / (alpha_x * alpha_y) for form in forms)]
+    units = [form.subs({alpha_x: 1, alpha_y: 1}) for form in forms]
+    printed = [it.equals.replace(P22, lambda a, b, unit=unit: unit.subs({x: a, y: b}, simultaneous=True)) for unit in units]
+    return [spread - alpha_x * alpha_y, *(form - stated for form, stated in zip(forms, printed, strict=True))]
 
 
 def _tangent_steps() -> list[Any]:
@@ -103,12 +110,12 @@ def facing(o: sp.Matrix, m: sp.Matrix) -> sp.Expr:
     return o.dot(m) / (o[2] * m[2])
 
 
-def _facing_steps() -> list[Any]:
-    """Lengths cancel, so the moved vectors need not be unit vectors; in slopes it is 1 - (x_o x + y_o y)/z_o."""
+def _facing_meanings() -> dict[sp.Symbol, sp.Expr]:
+    """Lengths cancel, so the moved vectors need not be unit vectors."""
     o, m = sp.Matrix(wo.components), sp.Matrix(wm.components)
     a, b = sp.symbols("a b", positive=True)
-    in_slopes = 1 - (wo.x * (-wm.x / wm.z) + wo.y * (-wm.y / wm.z)) / wo.z
-    return [facing(moved_direction(wo) / a, moved_normal(wm) / b) - facing(o, m), facing(o, m) - in_slopes]
+    lean = (wo.x * (-wm.x / wm.z) + wo.y * (-wm.y / wm.z)) / wo.z
+    return {facing_after: facing(moved_direction(wo) / a, moved_normal(wm) / b), facing_before: facing(o, m), leaning: lean}
 
 
 def _cavity_steps() -> list[Any]:
@@ -116,11 +123,8 @@ def _cavity_steps() -> list[Any]:
     o, m = sp.Matrix(wo.components), sp.Matrix(wm.components)
     a, b = sp.symbols("a b", positive=True)
     before, after = (_cavity_share(*pair) for pair in ((o, m), (moved_direction(wo) / a, moved_normal(wm) / b)))
-    return [
-        v_cavity.G1.equals.doit() - chi(om) * sp.Min(1, v_cavity.one_side.doit()),
-        after - before,
-        before - 2 / facing(o, m),
-    ]
+    stated = chi(om) * sp.Min(1, v_cavity.one_side.doit())
+    return [v_cavity.G1.equals.doit() - stated, after - before, before - 2 / facing(o, m)]
 
 
 def _cavity_share(o: sp.Matrix, m: sp.Matrix) -> sp.Expr:
@@ -158,15 +162,16 @@ def turned(aside: sp.Expr) -> dict[sp.Symbol, sp.Expr]:
     return {x: c * q - s * aside, y: s * q + c * aside}
 
 
-def _marginal_enclosed() -> list[balls.Enclosure]:
+def _marginal_enclosed(it: Equation) -> list[balls.Enclosure]:
     """Both families: the integral over the slope across, in pairs around its centre, against P2 of roughness alpha_o."""
     rho = sp.Symbol("rho", positive=True)
     found = []
     for family, reach, tail in ((beckmann, beckmann.FAR, sp.exp(-(beckmann.FAR**2))), (ggx, GGX_REACH, _ggx_tail())):
-        hill, closed = family.P22.equals.doit(), family.P2.equals.doit().subs(alpha, roughness_o)
+        unit = family.P2.equals.doit().subs(alpha, 1).subs(q, q / roughness_o)
+        hill, closed = family.P22.equals.doit(), it.equals.subs(P2(q / roughness_o), unit)
         pair = sum(hill.subs(turned(_centre() + sign * rho), simultaneous=True) for sign in (1, -1))
         cut = reach * alpha_x * alpha_y / roughness_o
-        form = balls.truncated(sp.Integral(pair, (rho, 0, sp.oo)), cut, closed * tail)
+        form = under_integral(it, balls.truncated(sp.Integral(pair, (rho, 0, sp.oo)), cut, closed * tail))
         put = {roughness_o: sp.sqrt(ALONG)}
         found += balls.agreement(form.subs(put), closed.subs(put), (q, phi_o, alpha_x, alpha_y), POINTS)
     return found
@@ -177,13 +182,23 @@ def _ggx_tail() -> sp.Expr:
     return 4 * (1 + (q / roughness_o) ** 2) ** sp.Rational(3, 2) / (3 * sp.pi * GGX_REACH**3)
 
 
-def _visible_steps() -> list[Any]:
+def _visible_steps(it: Equation) -> list[Any]:
     """In slopes visible normals are G1 times facing times P22, of which only P22 changes, and its spread undoes that."""
     f = sp.Symbol("facing", positive=True)
     per_slopes = masking.visible_normals.equals.doit() * slopes.solid_angle.computed_as
-    put = {D: slopes.P22_at_m / wm.z**4, om: f * mu_o * wm.z}
-    spread = slopes.stretched(P22).subs(moved_slopes(), simultaneous=True).doit()
-    return [per_slopes.subs(put) - G1 * f * slopes.P22_at_m, spread * alpha_x * alpha_y - P22(x, y)]
+    before = per_slopes.subs({D: P22(x, y) / wm.z**4, om: f * mu_o * wm.z})
+    spread = slopes.stretched(P22).subs(moved_slopes(), simultaneous=True).doit() * alpha_x * alpha_y
+    shares = {shares_after: G1 * f * spread, shares_before: before}
+    return [(it.symbol - it.equals).subs(shares)]
+
+
+def _sight_steps(it: Equation) -> list[Any]:
+    """The view in polar angles, with its sine a positive number."""
+    sine, cosine = sp.symbols("sine cosine", positive=True)
+    view = {wo.x: sine * sp.cos(phi_o), wo.y: sine * sp.sin(phi_o), wo.z: cosine}
+    along = sp.sqrt((alpha_x * sp.cos(phi_o)) ** 2 + (alpha_y * sp.sin(phi_o)) ** 2)
+    quotient = it.means.subs(view) / it.equals.subs({sp.tan(theta_o): sine / cosine, roughness_o: along})
+    return [sp.simplify(quotient) - 1]
 
 
 with sp.evaluate(False):
@@ -191,10 +206,10 @@ with sp.evaluate(False):
         key="anisotropy.slope",
         title="the slope of a stretched surface",
         symbol=raw("slope_stretched", r"\tilde{x}'(x, y)"),
-        means=raw("slope_by_chain", r"\frac{\partial}{\partial x} h(\alpha_x x, \alpha_y y)"),
-        equals=alpha_x * raw("slope_before", r"\tilde{x}(\alpha_x x, \alpha_y y)"),
+        means=chained,
+        equals=alpha_x * slope_before,
         proof=_chain_steps,
-        proved_by="sympy: the chain rule for any height field, along both axes",
+        proved_by="sympy: the chain rule, for any height field",
         slides=(64, 65, 66),
         cite="heitz2014",
     )
@@ -211,10 +226,11 @@ with sp.evaluate(False):
     turned_towards = Equation(
         key="anisotropy.facing",
         title="how far a facet is turned to the viewer does not change by stretching",
-        symbol=raw("facing_stretched", r"\frac{\omega_o' \cdot \omega_m'}{z_o' z_m'}"),
-        means=raw("facing_before", r"\frac{\omega_o \cdot \omega_m}{z_o z_m}"),
-        equals=1 - raw("slope_over_sight", r"\frac{x_o \tilde{x} + y_o \tilde{y}}{z_o}"),
-        proof=lambda: [*_tangent_steps(), *_facing_steps()],
+        symbol=facing_after,
+        means=facing_before,
+        equals=1 - leaning,
+        where=_facing_meanings(),
+        proof=lambda it: [*_tangent_steps(), *grounded(it, left=True)],
         proved_by="sympy: tangents go with the map and normals against it; then the quotient in components",
         slides=(68, 69),
         cite="heitz2014",
@@ -234,8 +250,8 @@ with sp.evaluate(False):
         key="anisotropy.v_cavity",
         title="the masking of V-cavities does not change by stretching",
         symbol=raw("G1_stretched", r"G_1(\omega_o', \omega_m')"),
-        equals=raw("G1_before", r"G_1(\omega_o, \omega_m)"),
-        proof=_cavity_steps,
+        equals=masked_before,
+        proof=lambda it: [*_cavity_steps(), it.equals - masked_before],
         proved_by="sympy: G1 depends on 2/facing only",
         slides=(68,),
         cite="heitz2014",
@@ -243,8 +259,8 @@ with sp.evaluate(False):
     visible = Equation(
         key="anisotropy.visible_normals",
         title="stretching moves visible normals and does not change their shares",
-        symbol=raw("shares_stretched", r"D_{\omega_o'}'(\omega_m') \, d\omega_m'"),
-        equals=raw("shares_before", r"D_{\omega_o}(\omega_m) \, d\omega_m"),
+        symbol=shares_after,
+        equals=shares_before,
         proof=_visible_steps,
         proved_by="sympy: in slopes, G1 times facing times P22; the first two do not change, the last is spread by the map",
         slides=(69,),
@@ -257,8 +273,8 @@ with sp.evaluate(False):
         symbol=raw("cot_unstretched", r"\cot \theta"),
         means=wo.z / sp.sqrt((alpha_x * wo.x) ** 2 + (alpha_y * wo.y) ** 2),
         equals=1 / (roughness_o * sp.tan(theta_o)),
-        proof=smith.argument_steps,
-        proved_by="sympy: squares of both sides, both positive",
+        proof=_sight_steps,
+        proved_by="sympy: the view in polar angles",
         slides=(70, 71),
         cite="heitz2014",
     )
@@ -275,7 +291,7 @@ with sp.evaluate(False):
         },
         proof=_marginal_steps,
         proved_by="sympy: the square completed, for any round hill; Beckmann and GGX put in",
-        enclosed=lambda it: _marginal_enclosed(),
+        enclosed=lambda it: _marginal_enclosed(it),
         slides=(70, 71),
         cite="heitz2014",
         note="P_2 is that of unit roughness.",

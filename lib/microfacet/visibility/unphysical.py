@@ -8,13 +8,15 @@ from typing import Any
 import sympy as sp
 
 from microfacet.directions import positive
+from microfacet.geometry import ggx
 from microfacet.geometry.slopes import Distribution
-from microfacet.notation import chi, im, mu_i, mu_o, om, raw
+from microfacet.notation import Lambda_o, a, chi, im, mu_i, mu_o, om, raw
 from microfacet.statement import Equation
 from microfacet.visibility.masking import Masking, nothing
 
 k = sp.Symbol("k", nonnegative=True)
 COSINE = (1e-8, 1)
+HALF = sp.Rational(1, 2)
 
 with sp.evaluate(False):
     implicit_G1 = Equation(
@@ -72,6 +74,27 @@ with sp.evaluate(False):
         equals=mu_o / (mu_o * (1 - k) + k) * mu_i / (mu_i * (1 - k) + k),
         computed_as=mu_o / (mu_o + k * (1 - mu_o)) * (mu_i / (mu_i + k * (1 - mu_i))),
         over={mu_o: COSINE, mu_i: COSINE, k: (0, 1)},
+        slides=(58,),
+        cite="schlick1994",
+    )
+
+
+def _schlick_steps(it: Equation) -> list[Any]:
+    """With cot theta_o for a, GGX at alpha = 1; and Schlick's quotient at k = 1/2."""
+    schlick = schlick_G1.equals.doit().subs({k: HALF, chi(om): 1})
+    return [schlick - it.means, schlick - it.symbol, 1 / it.equals.subs(it.where).doit() - 1 / schlick]
+
+
+with sp.evaluate(False):
+    schlick_is_smith = Equation(
+        key="visibility.schlick_smith.exact",
+        title="Schlick's masking with k = alpha/2 is Smith's for GGX at alpha = 1",
+        symbol=mu_o / (mu_o * (1 - HALF) + HALF),
+        means=2 * mu_o / (1 + mu_o),
+        equals=1 / (1 + Lambda_o),
+        where={Lambda_o: ggx.Lambda.equals.doit().subs(a, mu_o / sp.sqrt(1 - mu_o**2))},
+        proof=_schlick_steps,
+        proved_by="sympy: Lambda and k put in",
         slides=(58,),
         cite="schlick1994",
     )

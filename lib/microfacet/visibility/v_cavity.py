@@ -7,6 +7,7 @@ from typing import Any
 import sympy as sp
 
 from microfacet.notation import chi, gm, im, mu_i, mu_o, om, raw, wm, wo
+from microfacet.proofs import grounded
 from microfacet.statement import Equation
 from microfacet.visibility.masking import Masking, nothing
 
@@ -22,16 +23,23 @@ def _vectors() -> tuple[sp.Matrix, sp.Matrix, sp.Matrix]:
     return o, m, 2 * m.dot(z) * z - m
 
 
-def _mirror_steps() -> list[Any]:
+def _mirror_steps(it: Equation) -> list[Any]:
     """The other side has the same height over the plane, the opposite slopes, and the same length."""
     _, m, other = _vectors()
-    return [other[2] - m[2], other[0] + m[0], other[1] + m[1], sp.expand(other.dot(other) - m.dot(m))]
+    printed = [it.equals.subs({gm: m[2], up: int(k == 2), normal: m[k]}) - other[k] for k in range(3)]
+    return [*printed, other[2] - m[2], other[0] + m[0], other[1] + m[1], sp.expand(other.dot(other) - m.dot(m))]
 
 
-def _opening_steps() -> list[Any]:
+def _opening_steps(it: Equation) -> list[Any]:
     """Each side covers half of the opening, so has the area 1/(2 m_z)."""
+    _, m, other = _vectors()
+    return [1 / (2 * m[2]) * m[2] + 1 / (2 * other[2]) * other[2] - 1, *grounded(it, left=True)]
+
+
+def _meanings() -> dict[sp.Symbol, sp.Expr]:
+    """The products of vectors in components."""
     o, m, other = _vectors()
-    return [1 / (2 * m[2]) * m[2] + 1 / (2 * other[2]) * other[2] - 1, (o.dot(m) + o.dot(other)) / (2 * m[2]) - o[2]]
+    return {facing: o.dot(m), opposite: o.dot(other), gm: m[2], mu_o: o[2]}
 
 
 def _cavity_steps() -> list[Any]:
@@ -58,6 +66,7 @@ with sp.evaluate(False):
         title="both sides of a V-cavity project to its opening",
         symbol=(facing + opposite) / (2 * gm),
         equals=mu_o,
+        where=_meanings(),
         proof=_opening_steps,
         proved_by="sympy: vectors put in, for any view and any normal",
         slides=(39, 40, 58),
@@ -69,7 +78,8 @@ with sp.evaluate(False):
         title="the share of one side that fills the opening, and when it is below 1",
         symbol=2 * gm * mu_o / facing,
         equals=1 + opposite / facing,
-        proof=_cavity_steps,
+        where=_meanings(),
+        proof=lambda it: [*grounded(it, left=True), *_cavity_steps()],
         proved_by="sympy: vectors put in, for any view and any normal",
         slides=(39, 40, 58),
         cite="cook1982; heitz2014",
@@ -81,7 +91,7 @@ with sp.evaluate(False):
         symbol=raw("G1_v_cavity", r"G_1(\omega_o, \omega_m)"),
         equals=chi(om) * sp.Min(1, one_side),
         over={om: (1e-6, 1), gm: (0, 1), mu_o: (1e-8, 1)},
-        proof=lambda: [*_opening_steps(), *_cavity_steps()],
+        proof=lambda it: [it.equals - chi(om) * sp.Min(1, one_side), *_cavity_steps()],
         proved_by="sympy: projected areas of the two facets of one cavity",
         slides=(58,),
         cite="cook1982; heitz2014",

@@ -1,0 +1,20 @@
+"""What several proofs share."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+
+
+def grounded(it: Any, left: bool = False) -> list[Any]:
+    """Each printed form of a statement less its last, `where` having said what symbols stand for; left: its left side too."""
+    printed = [*([it.symbol] if left else []), it.means, it.equals]
+    forms = [sp.sympify(form).subs(it.where) for form in printed if form is not None]
+    return [form - forms[-1] for form in forms[:-1]]
+
+
+def under_integral(it: Any, bounded: Any) -> Any:
+    """The definition with its one integral replaced by another form of it."""
+    (whole,) = it.means.atoms(sp.Integral)
+    return it.means.xreplace({whole: bounded})
