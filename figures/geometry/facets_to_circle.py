@@ -58,9 +58,9 @@ def board(ax: plotting.Axes, data: dict, way: float) -> None:
     facets(ax, data, way)
 
 
-def shares(ax: plotting.Axes, data: dict) -> list[plotting.Text]:
+def shares(ax: plotting.Axes, data: dict) -> list:
     """The share of each bin, beyond its stack, and the length of all."""
-    labels: list[plotting.Text] = []
+    labels = []
     for k, theta in enumerate(middles(data["bounds"])):
         reach = RADIUS + GAP * (1 + np.sum(data["bins"] == k)) + 0.05 + 0.04 * abs(np.sin(theta))
         place = CENTRE + reach * np.array([np.sin(theta), np.cos(theta)])

@@ -55,6 +55,17 @@ def test_facets_fly_to_where_the_last_still_has_them(compute: Compute) -> None:
     plotting.plt.close(moves.figure)
 
 
+def test_stretching_keeps_rays_and_shares(compute: Compute) -> None:
+    data = compute("anisotropy/stretched_view")
+    assert np.all(data["kept"])
+    assert np.all(data["same"])
+    assert np.all(data["percent"] == data["percent"][0])
+    assert np.all(data["percent"].sum(axis=1) == 100)
+    assert 0 < np.sum(data["free"][0]) < data["free"][0].size
+    np.testing.assert_allclose(data["share"].sum(axis=1), 1, atol=1e-13)
+    np.testing.assert_allclose(np.tan(np.radians(data["degrees"])), data["stretch"] * np.tan(np.radians(55)))
+
+
 def test_a_rule_without_a_part_is_refused() -> None:
     figure, ax = plotting.plt.subplots()
     ax.plot([0, 1], [0, 1], gid="line")
