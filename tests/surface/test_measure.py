@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from microfacet.directions import spherical
 from microfacet.surface.gaussian import GaussianField
-from microfacet.surface.measure import Plan, estimate, gather, shard
+from microfacet.surface.measure import Plan, _surface, estimate, gather, shard
 
 FAMILY = GaussianField(128, 0.7, 0.5, correlation=8)
 VIEWS = spherical(np.radians([0, 45, 75]), np.radians([0, 30, -100]))
@@ -120,3 +120,32 @@ def test_wrong_shards_are_refused(measured: dict[str, np.ndarray]) -> None:
         gather([measured, measured])
     with pytest.raises(ValueError, match="at least 2 surfaces, got 1"):
         estimate([1.0])
+
+
+@pytest.mark.slow
+def test_a_finer_grid_changes_nothing() -> None:
+    """The same smooth surfaces on grids of 32, 16 and 4 cells to a correlation length, with the same rays.
+
+    Paired, so that most of what is random cancels. 16 cells are enough, and 4 are not: so it would be seen.
+    """
+    views = spherical(np.radians([0, 60]), np.radians([10, 70]))
+    plan = Plan(views, side=128, bounces=1, lights=([1.0], [0.0, 2.0, np.pi]))
+    fine, enough, few = (GaussianField(32 * cells, 0.7, correlation=cells, root=77) for cells in (32, 16, 4))
+    found = [[_surface(family, plan, k) for k in range(12)] for family in (fine, Sparse(fine, enough), Sparse(fine, few))]
+    escaped, lit = (
+        np.array([[one[name] for one in surfaces] for surfaces in found]).mean(axis=1) for name in ("escaped", "lit")
+    )
+    assert abs(escaped[1] - escaped[0]).max() < 1.5e-3
+    assert abs(lit[1] - lit[0]).max() < 1.5e-3
+    assert abs(lit[2] - lit[0]).max() > 4e-3
+
+
+class Sparse:
+    """The surfaces of a fine family on every other node, or on fewer, with the facets' roughness of a coarser one."""
+
+    def __init__(self, fine: GaussianField, coarse: GaussianField) -> None:
+        self.fine, self.coarse, self.facet_alpha, self.seed = fine, coarse, coarse.facet_alpha, coarse.seed
+
+    def spectral(self, k: int) -> np.ndarray:
+        step = self.fine.size // self.coarse.size
+        return self.fine.spectral(k)[::step, ::step] * (self.coarse.sigma / self.fine.sigma)

@@ -127,6 +127,7 @@ def contest(found: Mapping[str, Array], one: str, other: str, least: float = 0.0
     """
     names = list(found["names"][0])
     a, b = names.index(one), names.index(other)
+    short = one.split(",")[0], other.split(",")[0]
     rows = []
     for k, v in np.ndindex(found["noise"].shape):
         if found["theta_o"][v] < least:
@@ -134,8 +135,8 @@ def contest(found: Mapping[str, Array], one: str, other: str, least: float = 0.0
         albedo, error = found["albedo"][k, v]
         off = found["model_albedo"][k, v] - albedo
         shape, errors = np.moveaxis(found["distance"][k, v], -1, 0)
-        light = _nearer(one, other, abs(off[b]) - abs(off[a]), 2 * error if off[a] * off[b] < 0 else 0.0)
-        looks = _nearer(one, other, shape[b] - shape[a], math.hypot(errors[a], errors[b]))
+        light = _nearer(*short, abs(off[b]) - abs(off[a]), 2 * error if off[a] * off[b] < 0 else 0.0)
+        looks = _nearer(*short, shape[b] - shape[a], math.hypot(errors[a], errors[b]))
         here = [f"{found['alpha'][k]:.1f}", f"{found['theta_o'][v]:.0f}°", f"{albedo:.4f} ± {error:.4f}"]
         rows.append([*here, f"{off[a]:+.4f}", f"{off[b]:+.4f}", light, f"{shape[a]:.3f}", f"{shape[b]:.3f}", looks])
     return rows
