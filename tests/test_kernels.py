@@ -19,8 +19,6 @@ from hypothesis.extra.numpy import mutually_broadcastable_shapes
 from microfacet.arithmetic import exp_minus_square, exp_minus_squares, two_product, two_sum
 from microfacet.kernels import CHUNK, Batch, ByPrecision, cache_directory, packed, source
 
-pytestmark = pytest.mark.xdist_group("kernels")
-
 HALF = 0.5
 TABLE = (0.1, 0.2, 0.3)
 PRECISE = ByPrecision(double=1.0, single=2.0)

@@ -26,24 +26,20 @@ KEYS = list(mf.equations)
 COMPUTED = [key for key in KEYS if mf.equations[key].over and sp.sympify(mf.equations[key].computed).free_symbols]
 INTEGRALS = [key for key in KEYS if stands_for_integrals(mf.equations[key])]
 EVERY = pytest.mark.parametrize("key", KEYS)
-quick = pytest.mark.xdist_group("statements")
 
 
-@quick
 def test_every_statement_in_the_text_is_in_the_ledger() -> None:
     written = [key for path in LIBRARY.rglob("*.py") for key in re.findall(r'^\s+key="([\w.]+)"', path.read_text(), re.M)]
     assert sorted(written) == sorted(KEYS)
     assert len(KEYS) >= 60
 
 
-@quick
 def test_ledger_keeps_the_order_of_the_talk() -> None:
     order = ["geometry", "visibility", "material", "brdf", "anisotropy", "validation"]
     stages = [order.index(key.split(".")[0]) for key in KEYS]
     assert stages == sorted(stages)
 
 
-@quick
 @EVERY
 def test_statement_is_complete(key: str) -> None:
     """It has a title, slides of the talk, a source in the bibliography, and prints."""
@@ -87,7 +83,6 @@ def ulps(value: float, exact: mpmath.mpf) -> float:
     return float(abs(mpmath.mpf(value) - exact)) / math.ulp(abs(float(exact)))
 
 
-@quick
 @pytest.mark.parametrize("key", COMPUTED)
 def test_kernel_keeps_its_promise(key: str) -> None:
     """As Python runs it, in double precision, at a few arguments: errors in ulps of the 50-digit value."""
@@ -98,7 +93,6 @@ def test_kernel_keeps_its_promise(key: str) -> None:
             assert ulps(equation.scalar(*point), exact) <= equation.within[0] * 1.05 + 0.5, point
 
 
-@quick
 @pytest.mark.parametrize("key", COMPUTED)
 def test_a_kernel_off_by_a_millionth_would_be_seen(key: str) -> None:
     """The test above can fail for this statement: not every value is 0."""
@@ -112,7 +106,6 @@ def test_a_kernel_off_by_a_millionth_would_be_seen(key: str) -> None:
     assert max(errors) > 1e6 > equation.within[0]
 
 
-@quick
 @pytest.mark.parametrize("key", INTEGRALS)
 def test_closed_form_is_the_integral_it_stands_for(key: str) -> None:
     assert not integral_differs(mf.equations[key])
@@ -121,7 +114,6 @@ def test_closed_form_is_the_integral_it_stands_for(key: str) -> None:
 # --- command ------------------------------------------------------------------------------------------------------------
 
 
-@quick
 def test_command_lists_and_writes_one_record(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["list"]) == 0
     assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == KEYS
@@ -132,7 +124,6 @@ def test_command_lists_and_writes_one_record(tmp_path: Path, capsys: pytest.Capt
     assert {mark["status"] for mark in record["marks"].values()} <= {"pass", "fail", "none"}
 
 
-@quick
 def test_command_names_an_unknown_key(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", "visibility.smith.height"]) == 2
     assert "no equation 'visibility.smith.height'; near: visibility.smith.heights" in capsys.readouterr().err

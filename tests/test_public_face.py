@@ -16,8 +16,6 @@ import pytest
 from microfacet import directions
 from samples import hemisphere, uniform
 
-pytestmark = pytest.mark.xdist_group("public face")
-
 LIBRARY = Path(__file__).parent.parent / "lib"
 NDF = mf.GGX(0.5, 0.2)
 SMITH = mf.Smith(NDF)

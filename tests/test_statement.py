@@ -22,8 +22,6 @@ from microfacet import checks, statement
 from microfacet.notation import a, chi, latex, q, wm
 from microfacet.statement import Equation, generate, reference
 
-pytestmark = pytest.mark.xdist_group("statements")
-
 x, y = sp.symbols("v w", real=True)
 
 

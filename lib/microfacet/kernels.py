@@ -36,6 +36,7 @@ CHUNK = 16384  # elements a thread takes at once: large enough to hide the hand-
 _HEADER = """\
 from math import *
 import numpy as np
+from microfacet.kernels import shared
 from numba import float32, float64, njit, types
 
 R, T = {real}, np.{real}
@@ -69,7 +70,7 @@ def source(function: FunctionType) -> str:
     text = getattr(function, "__source__", None)
     if text is None:
         text = textwrap.dedent(inspect.getsource(function))
-        if function.__name__ != "<lambda>" and not text.startswith(f"def {function.__name__}("):
+        if function.__name__ != "<lambda>" and f"def {function.__name__}(" not in text:
             raise RuntimeError(f"{inspect.getsourcefile(function)} has changed since it was imported: start again")
     return str(text)
 
@@ -126,8 +127,12 @@ def _literal(value: Any, real: type) -> ast.expr:
     return _real(ast.Constant(float(value)))
 
 
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()[:12]
+
+
 class _Program:
-    """The functions a kernel needs, each once, callees first."""
+    """The functions a kernel needs, each once, callees first. Their names tell their contents, callees' included."""
 
     def __init__(self, real: type) -> None:
         self.real = real
@@ -138,7 +143,7 @@ class _Program:
     def table(self, values: tuple[float, ...]) -> str:
         """The name of an array that holds the values of a tuple."""
         if values not in self.tables:
-            self.tables[values] = f"table_{len(self.tables)}"
+            self.tables[values] = f"table_{_digest(repr(values))}"
             self.texts.append(f"{self.tables[values]} = np.array({values!r}, T)")
         return self.tables[values]
 
@@ -155,14 +160,28 @@ class _Program:
                 constants[name] = value
             elif not (value is getattr(math, name, None) or value is getattr(builtins, name, None)):
                 raise TypeError(f"kernel {function.__qualname__} uses {name}, which is no kernel and no constant")
-        unique = f"{function.__name__}_{len(self.names)}"
+        tree = _Embed("unnamed", names, constants, self.real).visit(ast.parse(source(function)))
+        text = ast.unparse(ast.fix_missing_locations(tree))
+        unique = f"{function.__name__}_{_digest(text)}"
+        if unique not in self.names.values():
+            self.texts.append(f"@shared(R)\n{text.replace('def unnamed(', f'def {unique}(', 1)}")
         self.names[function] = unique
-        tree = _Embed(unique, names, constants, self.real).visit(ast.parse(source(function)))
-        self.texts.append(
-            "@njit(error_model='numpy', no_cpython_wrapper=True, no_cfunc_wrapper=True)\n"
-            + ast.unparse(ast.fix_missing_locations(tree))
-        )
         return unique
+
+
+_shared: dict[tuple[Any, str], Any] = {}
+
+
+def shared(real: Any) -> Callable[[FunctionType], Any]:
+    """Decorator of the functions in the text: the same one in two texts is compiled once in a process."""
+
+    def known(function: FunctionType) -> Any:
+        from numba import njit
+
+        compiler = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+        return _shared.setdefault((real, function.__name__), compiler(function))
+
+    return known
 
 
 # --- from one text to a compiled loop -----------------------------------------------------------------------------

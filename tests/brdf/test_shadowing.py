@@ -9,8 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import integrate
 
-pytestmark = pytest.mark.xdist_group("statements")
-
 LAMBDA = st.floats(0, 1e4)
 SHARE = st.floats(0, 1)
 

@@ -12,8 +12,6 @@ from microfacet.directions import half_vector, spherical
 from samples import LAST, LAST_SINGLE, UP, hemisphere, sphere, uniform, views
 from sampling import density_times_area
 
-pytestmark = pytest.mark.xdist_group("brdf")
-
 GGX = mf.Microfacet(mf.Smith(mf.GGX(0.5, 0.2)))
 BECKMANN = mf.Microfacet(mf.Smith(mf.Beckmann(0.2, 0.5)))
 CAVITIES = mf.Microfacet(mf.VCavity(mf.GGX(0.5, 0.2)))

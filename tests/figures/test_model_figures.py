@@ -8,8 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-pytestmark = pytest.mark.xdist_group("figures")  # one process: nothing is computed twice
-
 Compute = Callable[[str], dict[str, Any]]
 
 

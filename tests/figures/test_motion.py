@@ -12,8 +12,6 @@ import numpy as np
 import pytest
 from microfacet import motion, plotting
 
-pytestmark = pytest.mark.xdist_group("figures")  # one process: nothing is computed twice
-
 Compute = Callable[[str], dict[str, Any]]
 FIGURES = Path(__file__).parents[2] / "figures"
 MOVING = [p for p in sorted(FIGURES.glob("*/*.py")) if "\ndef move(" in p.read_text("utf-8")]

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 from microfacet import datafile, plotting
 
-pytestmark = pytest.mark.xdist_group("figures")  # one process: nothing is computed twice
+pytestmark = pytest.mark.slow  # the data of all figures are computed here
 
 ROOT = Path(__file__).parents[2]
 ENVIRONMENT = os.environ | {"PYTHONPATH": str(ROOT / "lib")}

@@ -15,8 +15,6 @@ from microfacet.directions import spherical
 from samples import ANISOTROPIC, NORMALISED, STRETCHED, hemisphere
 from scipy import integrate
 
-pytestmark = pytest.mark.xdist_group("geometry")
-
 PAPER = {
     mf.GGX: references.ggx_D,
     mf.Beckmann: references.beckmann_D,

@@ -11,8 +11,6 @@ from hypothesis import strategies as st
 from samples import LAST, LAST_SINGLE, NORMALISED, UP, uniform
 from sampling import agreement, density_times_area
 
-pytestmark = pytest.mark.xdist_group("geometry")
-
 NARROW = [mf.GGX(0.01), mf.Beckmann(0.01, 0.3), mf.NormalizedBlinnPhong(5e3)]
 INSIDE = st.floats(0.01, 0.99)
 

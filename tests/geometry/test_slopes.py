@@ -14,8 +14,6 @@ from microfacet.directions import half_vector, reflect, spherical
 from microfacet.geometry.slopes import Distribution
 from samples import hemisphere, sphere
 
-pytestmark = pytest.mark.xdist_group("geometry")
-
 
 def test_spherical_coordinates() -> None:
     np.testing.assert_allclose(spherical(0.0), [0, 0, 1], atol=0)

@@ -9,8 +9,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-pytestmark = pytest.mark.xdist_group("material")
-
 COSINES = st.floats(1e-6, 1)
 INDEX = st.floats(0.1, 4)
 EPS = {real: float(np.finfo(real).eps) for real in (np.float64, np.float32)}

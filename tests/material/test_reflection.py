@@ -9,8 +9,6 @@ from around import reflected
 from microfacet.directions import half_vector
 from samples import UP, hemisphere, sphere, views
 
-pytestmark = pytest.mark.xdist_group("brdf")
-
 
 def test_stated_jacobian_of_the_half_vector() -> None:
     """Area that half vectors cover when light moves over a small square."""

@@ -15,8 +15,6 @@ from microfacet.visibility.masking import Masking, nothing
 from samples import views
 from skewed import SKEWED
 
-pytestmark = pytest.mark.xdist_group("validation")
-
 INTEGRALS = ("projected_area", "visible_area", "visible_norm", "weak_furnace")
 CLASSIC = ("positivity", "reciprocity", "energy")
 SEEN = views(0, 30, 60, 80, 89)

@@ -11,8 +11,6 @@ from microfacet.validation import tables
 from microfacet.visibility.smith import Smith
 from microfacet.visibility.v_cavity import VCavity
 
-pytestmark = pytest.mark.xdist_group("tables")
-
 
 @pytest.fixture(scope="module")
 def distributions() -> tables.Table:

@@ -14,8 +14,6 @@ from microfacet.visibility.smith import CORRELATIONS, quadrature_Lambda, radial_
 from samples import ANISOTROPIC, ISOTROPIC, NORMALISED, UP, hemisphere, views
 from skewed import SKEWED
 
-pytestmark = pytest.mark.xdist_group("visibility")
-
 EPS = {real: float(np.finfo(real).eps) for real in (np.float64, np.float32)}
 SEEN = views(10, 45, 75, 85)
 CORRELATED = {name: mf.Smith(mf.GGX(0.5, 0.2), name) for name in CORRELATIONS}

@@ -13,8 +13,6 @@ from microfacet.notation import alpha_x, wm
 from microfacet.visibility import stretching
 from samples import hemisphere, uniform, views
 
-pytestmark = pytest.mark.xdist_group("visibility")
-
 ALPHAS = np.array([0.5, 0.2])
 KINDS = [mf.GGX, mf.Beckmann]
 

@@ -9,8 +9,6 @@ import references
 from around import turned_to
 from samples import UP, hemisphere, views
 
-pytestmark = pytest.mark.xdist_group("visibility")
-
 DEGREES = (0, 30, 60, 80, 89)
 BECKMANN = mf.Beckmann(0.4)
 TABLE = {

@@ -10,8 +10,6 @@ from microfacet.directions import spherical
 from samples import UP, hemisphere, views
 from skewed import SKEWED
 
-pytestmark = pytest.mark.xdist_group("visibility")
-
 MODEL = mf.VCavity(mf.GGX(0.5, 0.2))
 
 

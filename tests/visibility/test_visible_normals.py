@@ -12,8 +12,6 @@ from microfacet.directions import spherical
 from samples import LAST, LAST_SINGLE, UP, uniform, views
 from sampling import agreement, density_times_area
 
-pytestmark = pytest.mark.xdist_group("visible normals")
-
 SURFACES = [
     mf.GGX(0.4),
     mf.GGX(0.5, 0.2),

@@ -16,8 +16,6 @@ PDF, HTML = "build/report.pdf", "build/report.html"
 PAGES = {f"report {PDF}", f"report {HTML}"}
 STATEMENTS = "lib/microfacet/statement.py"
 
-pytestmark = pytest.mark.xdist_group("build")
-
 
 def change_kernel(checkout: Checkout, kernel: str) -> None:
     """Give the statement visibility.G1, whose closed form is a, another kernel."""

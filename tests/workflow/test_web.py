@@ -16,8 +16,6 @@ from checkout import Checkout
 HTML = "build/report.html"
 REAL = Path(__file__).resolve().parents[2] / HTML
 
-pytestmark = pytest.mark.xdist_group("build")
-
 
 @pytest.fixture(scope="module")
 def page(built: Checkout) -> str:
