@@ -53,7 +53,7 @@ def test_statement_is_complete(key: str) -> None:
     cited = [source.split(",")[0].strip() for source in equation.cite.split(";")]
     assert set(cited) <= set(known)
     assert equation.latex.count("{") == equation.latex.count("}")
-    assert re.search(r"=|\\le|\\ge", equation.latex)
+    assert re.search(r"=|<|>|\\le |\\ge |\\approx ", equation.latex)
     assert "Piecewise" not in equation.latex
     assert not re.search(r"[a-z]+_(packed|test)", equation.latex)
     module, line = equation.stated_at.split(", line ")

@@ -200,7 +200,7 @@ def _is_tall(e: sp.Expr) -> bool:
 
 def _flat(e: sp.Basic) -> sp.Basic:
     """Sums of sums and products of products written as one, without factors 1: as an author writes them."""
-    if isinstance(e, sp.Rational) and e.q == 100:
+    if isinstance(e, sp.Rational) and e.q > 8 and 10**5 % e.q == 0:
         return sp.Symbol(str(e.p / e.q))  # a measured number, printed as it was published
     if not e.args:
         return e

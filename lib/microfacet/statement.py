@@ -41,7 +41,7 @@ class Equation:
     over: the arguments, in order: a symbol with its interval, or a Direction with "hemisphere" or "sphere".
     within: the promised error of the kernel in ulps, (double, single).
     where: what arguments, and symbols that other statements define, stand for in printed symbols.
-    relation: "=" or, for a bound, "<", ">", r"\\le" or r"\\ge", or r"\\ne".
+    relation: "=" or, for a bound, "<", ">", r"\\le" or r"\\ge", or r"\\ne"; r"\\approx" for a fit.
     proof: gives, perhaps from the statement, the expressions that sympy must find to be zero, in place of (means - equals);
     rewrite_proof: likewise in place of (computed_as - equals). proved_by: how, in words.
     enclosed: from the statement, proved balls that hold its left side minus its right; or the keys of statements that do.
@@ -87,8 +87,9 @@ class Equation:
         left, *right = [latex(e) for e in (self.symbol, self.means, self.equals) if e is not None]
         signs = ["="] * (len(right) - 1) + [self.relation]
         width = sum(map(_printed_width, [left, *right]))
-        if len(right) == 1 and width > 90:
-            return rf"\begin{{aligned}} &{left} \\ &\quad {signs[0]} {right[0]} \end{{aligned}}"
+        if width - _printed_width(right[-1]) * (len(right) - 1) > 90:  # too wide for what stands beside the left side
+            below = "".join(rf" \\ &\quad {s} {r}" for s, r in zip(signs, right, strict=True))
+            return rf"\begin{{aligned}} &{left}{below} \end{{aligned}}"
         if len(right) == 1 or width < 62:
             return " ".join([left, *(f"{s} {r}" for s, r in zip(signs, right, strict=True))])
         lines = r" \\ ".join(f"&{s} {r}" for s, r in zip(signs, right, strict=True))

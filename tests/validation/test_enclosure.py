@@ -105,6 +105,7 @@ def test_a_wide_ball_around_0_proves_nothing():
         assert not balls.Enclosure("", balls.ball(1e-30)).supports("=")
 
 
+@pytest.mark.slow
 def test_crosses_agree_with_quadrature():
     """What the tables prove is what the kernels compute: Implicit and Schlick-Smith over GGX, Kelemen over both."""
     wo = spherical(np.radians([20.0, 70.0]))
@@ -131,6 +132,33 @@ def test_exact_cases():
     assert sp.simplify(halved.subs({enclosure.alpha: sp.Rational(1, 2), enclosure.mu_o: sp.Rational(1, 2)})) != 0
     for key in ("implicit_ggx", "schlick_smith_ggx", "schlick_smith_halved_ggx"):
         assert equations[f"validation.table2.{key}"].equals.doit().subs(enclosure.mu_o, 1) == 0
+
+
+def test_quantifiers_are_read_off_the_closed_forms(monkeypatch):
+    """Not typed: another zero is another word, and a form without one has none."""
+    said = {name: q.brief for name, q in enclosure.quantifiers().items()}
+    assert said["Blinn-Phong"] == r"every $n$ but $2 \pi - 2$"
+    assert said["Implicit"] == said["Schlick-Smith"] == r"every view but $0^\circ$"
+    n, mu = enclosure.n, enclosure.mu_o
+    monkeypatch.setitem(enclosure.phong.__dict__, "equals", (5 - n) / (n + 2))
+    assert enclosure.quantifiers()["Blinn-Phong"].brief == "every $n$ but $5$"
+    for wrong in (1 + mu, 0 * mu):
+        monkeypatch.setitem(enclosure.implicit_ggx.__dict__, "equals", wrong)
+        with pytest.raises(ValueError, match="does not vanish at mu_o = 1 alone"):
+            enclosure.quantifiers()
+
+
+@pytest.mark.parametrize("name", ["Implicit", "Schlick-Smith"])
+def test_beyond_what_is_proved_there_is_an_exception(name):
+    """Above the largest alpha, the closed form has a second zero: the bound is not a matter of caution."""
+    statement, largest = {
+        "Implicit": (enclosure.implicit_ggx, enclosure.IMPLICIT_UP_TO),
+        "Schlick-Smith": (enclosure.schlick_ggx, enclosure.SCHLICK_UP_TO),
+    }[name]
+    closed = statement.equals.doit().subs(enclosure.k, enclosure.alpha * enclosure.SCHLICK_K)
+    shapes = [closed.subs(enclosure.alpha, share * largest) for share in (0.999, 1.001)]
+    signs = [{bool(shape.subs(enclosure.mu_o, sp.Rational(k, 1000)).evalf() < 0) for k in range(1, 1000)} for shape in shapes]
+    assert signs == [{True}, {True, False}]
 
 
 @pytest.mark.slow

@@ -200,7 +200,7 @@ def _free_and_cut(P2: sp.Expr) -> sp.Expr:
     """What V-cavities leave: all of the facets that lean little, and twice the plane's share of those that lean far."""
     free, cut = (-sp.cot(theta_o), sp.cot(theta_o)), (-sp.oo, -sp.cot(theta_o))
     with sp.evaluate(False):
-        return sp.Integral(2 * P2, (q, *cut)) + sp.Integral((1 - q * sp.tan(theta_o)) * P2, (q, *free))
+        return 2 * sp.Integral(P2, (q, *cut)) + sp.Integral((1 - q * sp.tan(theta_o)) * P2, (q, *free))
 
 
 def _smith_steps(slopes: Slopes) -> list[Any]:
@@ -369,6 +369,7 @@ with sp.evaluate(False):
 
 COSINES = (1e-6, 0.5, 0.999)
 SCHLICK_K = sp.sqrt(2 / sp.pi)
+IMPLICIT_UP_TO, SCHLICK_UP_TO = sp.sqrt(2), 2 * SCHLICK_K  # the largest alpha for which the closed forms have one sign
 
 
 def _closed_enclosed(masking: sp.Expr, stated: sp.Expr, alphas: tuple[float, ...]) -> list[Enclosure]:
@@ -388,7 +389,7 @@ implicit_ggx = Equation(
     title="by how much Implicit masking over GGX misses what there is to see",
     symbol=missing,
     equals=_IMPLICIT,
-    proof=lambda: [*_closed_steps(mu_o, _IMPLICIT), *_sign_steps(alpha**2 * (1 + mu_o) - 4, sp.sqrt(2))],
+    proof=lambda: [*_closed_steps(mu_o, _IMPLICIT), *_sign_steps(alpha**2 * (1 + mu_o) - 4, IMPLICIT_UP_TO)],
     proved_by="sympy: Lambda put in, then modulo the square of the root",
     enclosed=lambda it: _closed_enclosed(mu_o, it.equals, ROUGH),
     slides=(58,),
@@ -402,7 +403,7 @@ schlick_ggx = Equation(
     equals=_SCHLICK,
     proof=lambda: [
         *_closed_steps(mu_o / (mu_o + k * (1 - mu_o)), _SCHLICK),
-        *_sign_steps(alpha * (1 + mu_o) - 4 * alpha * SCHLICK_K**2 * (1 - mu_o) - 4 * SCHLICK_K * mu_o, 2 * SCHLICK_K),
+        *_sign_steps(alpha * (1 + mu_o) - 4 * alpha * SCHLICK_K**2 * (1 - mu_o) - 4 * SCHLICK_K * mu_o, SCHLICK_UP_TO),
     ],
     proved_by="sympy: Lambda put in, then modulo the square of the root",
     enclosed=lambda it: _closed_enclosed(
@@ -598,56 +599,86 @@ _cross(
 
 # --- in words ---------------------------------------------------------------------------------------------------------------
 
-_ROUGH_BOX = rf"{SMOOTHEST:g} \le \alpha \le {ROUGHEST:g}"
-_KELEMEN = (
-    rf"right at one angle only: too much up to ${STEEP[1]:g}^\circ$, too little from ${GRAZING[0]:g}^\circ$,"
-    rf" for ${KELEMEN_ROUGH[0]:g} \le \alpha \le {KELEMEN_ROUGH[1]:g}$"
-)
-
 
 @dataclass(frozen=True)
 class Quantifier:
-    """For which parameters a tick or a cross of the tables is proved. words: Markdown. keys: the statements that prove it."""
+    """For which parameters a tick or a cross of the tables is proved.
+
+    every: what may be chosen freely; but: the exception; within: how far the proof goes beyond that. All as Markdown.
+    keys: the statements that prove it.
+    """
 
     verdict: str
-    words: str
     keys: tuple[str, ...]
+    every: str
+    but: str = ""
+    within: str = ""
+
+    @property
+    def brief(self) -> str:
+        return f"every {self.every}" + (f" but {self.but}" if self.but else "")
+
+    @property
+    def words(self) -> str:
+        return self.brief + (f"; {self.within}" if self.within else "")
+
+
+def vanishes_at(statement: Equation, symbol: sp.Symbol, value: Any) -> Any:
+    """The value, where the deviation that the statement gives in closed form is 0, and beside which it is not."""
+    closed = sp.sympify(statement.equals).doit()
+    if sp.simplify(closed.subs(symbol, value)) != 0 or sp.simplify(closed.subs(symbol, sp.sympify(value) / 2)) == 0:
+        raise ValueError(f"{statement.key} does not vanish at {symbol} = {value} alone")
+    return value
+
+
+def _only_exponent() -> str:
+    (exponent,) = sp.solve(phong.equals.doit(), n)
+    return f"${sp.latex(vanishes_at(phong, n, exponent), order='rev-lex')}$"
+
+
+def _view_above(*statements: Equation) -> str:
+    """The view in which closed-form deviations vanish."""
+    (angle,) = {sp.acos(vanishes_at(statement, mu_o, 1)) for statement in statements}
+    return rf"${sp.latex(sp.deg(angle))}^\circ$"
+
+
+def _box_words(box: Mapping[str, tuple[float, float]]) -> str:
+    return rf"${box['alpha'][0]:g} \le \alpha \le {box['alpha'][1]:g}$"
+
+
+def _up_to(largest: sp.Expr) -> str:
+    return rf"over Beckmann for {_box_words(BOX)}, over GGX for $\alpha \le {sp.latex(largest)}$"
 
 
 def _passes(name: str) -> Quantifier:
     keys = tuple(f"validation.table2.{name}_{family}" for family in FAMILIES)
-    return Quantifier("holds", "for every roughness and direction", keys)
+    return Quantifier("holds", keys, r"$\alpha$ and view")
 
 
 def quantifiers() -> Mapping[str, Quantifier]:
     """By row of the tables: for which parameters the row's verdict is proved."""
-    table2 = "validation.table2."
+    kelemen = tuple(f"validation.table2.kelemen_{f}_{side}" for f in ("beckmann", "ggx") for side in ("above", "grazing"))
+    crossing = (
+        rf"too much up to ${STEEP[1]:g}^\circ$, too little from ${GRAZING[0]:g}^\circ$,"
+        rf" for {_box_words({'alpha': KELEMEN_ROUGH})}"
+    )
+    view = _view_above(implicit_ggx, schlick_ggx, halved_ggx)
     return {
-        "Blinn-Phong": Quantifier("fails", r"for every $n$ but $n = 2 \pi - 2$", (phong.key,)),
-        "Blinn-Phong, normalised": Quantifier("holds", "for every $n$", (blinn_phong.normalized_projected_area.key,)),
-        "Ward": Quantifier("fails", "for every roughness", (ward_area.key,)),
-        "Beckmann": Quantifier("holds", "for every roughness", (beckmann.projected_area.key,)),
-        "GGX": Quantifier("holds", "for every roughness", (ggx.projected_area.key,)),
+        "Blinn-Phong": Quantifier("fails", (phong.key,), "$n$", _only_exponent()),
+        "Blinn-Phong, normalised": Quantifier("holds", (blinn_phong.normalized_projected_area.key,), "$n$"),
+        "Ward": Quantifier("fails", (ward_area.key,), r"$\alpha$"),
+        "Beckmann": Quantifier("holds", (beckmann.projected_area.key,), r"$\alpha$"),
+        "GGX": Quantifier("holds", (ggx.projected_area.key,), r"$\alpha$"),
         "Smith": _passes("smith"),
         "V-cavities": _passes("v_cavity"),
-        "Implicit": Quantifier(
-            "fails",
-            rf"but at normal incidence: over Beckmann for ${_ROUGH_BOX}$, over GGX for every $\alpha \le \sqrt{{2}}$",
-            (implicit_beckmann.key, implicit_ggx.key),
-        ),
-        "Kelemen": Quantifier(
-            "fails",
-            _KELEMEN,
-            tuple(f"{table2}kelemen_{f}_{side}" for f in ("beckmann", "ggx") for side in ("above", "grazing")),
-        ),
-        "Schlick-Smith": Quantifier(
-            "fails",
-            rf"but at normal incidence: over Beckmann for ${_ROUGH_BOX}$, over GGX for every $\alpha \le 2 \sqrt{{2/\pi}}$",
-            (schlick_beckmann.key, schlick_ggx.key),
-        ),
+        "Implicit": Quantifier("fails", (implicit_beckmann.key, implicit_ggx.key), "view", view, _up_to(IMPLICIT_UP_TO)),
+        "Kelemen": Quantifier("fails", kelemen, "view", "one", crossing),
+        "Schlick-Smith": Quantifier("fails", (schlick_beckmann.key, schlick_ggx.key), "view", view, _up_to(SCHLICK_UP_TO)),
         "Schlick-Smith, halved": Quantifier(
             "fails",
-            r"over GGX but at normal incidence, for every $\alpha \ne 1$; at $\alpha = 1$ it is Smith's",
             (halved_ggx.key,),
+            "view",
+            view,
+            rf"over GGX, for $\alpha \ne {vanishes_at(halved_ggx, alpha, 1)}$, where it is Smith's",
         ),
     }

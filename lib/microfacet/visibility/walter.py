@@ -1,0 +1,85 @@
+"""Walter's rational fit of Beckmann's masking: stated for its error. No model of this library uses it."""
+
+from __future__ import annotations
+
+from functools import cache
+from math import ceil
+
+import sympy as sp
+
+from microfacet import balls
+from microfacet.balls import Ball, Enclosure
+from microfacet.geometry import beckmann
+from microfacet.notation import a, raw
+from microfacet.statement import Equation, reference
+
+END = sp.Rational(8, 5)  # from here on the fit is 1
+ERROR = sp.Rational(32, 10000)
+PARTS = 10**4
+ABOVE = 1.5482  # from here to the end the fit is above 1
+
+with sp.evaluate(False):
+    _C = [sp.Rational(k, 1000) for k in (3535, 2181, 2276, 2577)]
+    fit = Equation(
+        key="visibility.beckmann.walter",
+        title="Walter's fit of Smith's masking for Beckmann, below a = 1.6",
+        symbol=raw("G1_walter", r"G_1(\omega_o, \omega_m)"),
+        equals=(_C[0] * a + _C[1] * a**2) / (1 + _C[2] * a + _C[3] * a**2),
+        relation=r"\approx",
+        over={a: (1e-8, END)},
+        slides=(58, 62),
+        cite="walter2007",
+        note="From a = 1.6 on it is 1.",
+    )
+    error = Equation(
+        key="visibility.beckmann.walter_error",
+        title="how far Walter's fit is from what it fits, at most",
+        symbol=raw("walter_off", r"\left| \left(1 + \Lambda(a)\right) G_1^{\mathrm{fit}}(a) - 1 \right|"),
+        equals=ERROR,
+        relation="<",
+        proof=lambda it: [it.equals - sp.Rational(ceil(largest() * PARTS), PARTS)],
+        proved_by="the largest error found, rounded up to four decimals; that it is the largest, by balls",
+        enclosed=lambda it: _bounded(it),
+        slides=(58, 62),
+        cite="walter2007",
+        note="Over the fit's whole range by balls; beyond it the error is Lambda itself, which falls with a.",
+    )
+    above = Equation(
+        key="visibility.beckmann.walter_above",
+        title="just below a = 1.6 Walter's fit shows more than there is",
+        symbol=raw("walter_fit", r"G_1^{\mathrm{fit}}(a)"),
+        equals=sp.Integer(1),
+        relation=">",
+        enclosed=lambda it: [balls.over(lambda **at: _fitted(at["a"]) - balls.ball(it.equals), a=(ABOVE, float(END)))],
+        slides=(58, 62),
+        cite="walter2007",
+    )
+
+
+@cache
+def _compiled(expression: sp.Expr) -> balls.Evaluator:
+    return balls.evaluator(expression, (a,))
+
+
+def _fitted(argument: Ball) -> Ball:
+    return _compiled(fit.equals)(argument)
+
+
+def ratio() -> sp.Expr:
+    """(1 + Lambda) times the fit, with a factor a taken from the one to the other, so that it can be bounded down to a = 0."""
+    above, below = fit.equals.args if fit.equals.args[0].is_Add else fit.equals.args[::-1]
+    shown = a * (1 + sp.erf(a)) / 2 + sp.exp(-(a**2)) / (2 * sp.sqrt(sp.pi))
+    return shown * sp.expand(above.doit() / a) * below.doit()
+
+
+def largest(steps: int = 800) -> float:
+    """The largest error of the fit at evenly spaced arguments."""
+    apart = reference(ratio() - 1, (a,))
+    return max(abs(float(apart(float(END) * (k + 1) / steps))) for k in range(steps))
+
+
+def _bounded(it: Equation) -> list[Enclosure]:
+    apart, limit = _compiled(ratio() - 1), balls.ball(it.equals)
+    beyond = balls.evaluator(beckmann.Lambda.equals, (a,))
+    inside = balls.over(lambda **at: abs(apart(at["a"])) - limit, a=(0, float(END)))
+    return [inside, *balls.at(lambda **at: beyond(at["a"]) - limit, [{"a": float(END)}])]
