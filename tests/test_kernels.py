@@ -232,6 +232,26 @@ def test_a_cached_kernel_compiles_nothing(tmp_path: Path) -> None:
     assert not list(tmp_path.glob("*.tmp"))
 
 
+SHARED = """
+import json, sys
+import microfacet as mf
+model, wo = mf.VCavity(mf.Beckmann(0.5)), [0.6, 0.0, 0.8]
+values = {"G1": lambda: model.G1(wo, [0, 0, 1]), "D_visible": lambda: model.D_visible(wo, [0, 0, 1])}
+print(json.dumps([float(values[name]()) for name in sys.argv[1:]]))
+"""
+
+
+def test_a_kernel_that_shares_functions_is_found_alone(tmp_path: Path) -> None:
+    """Compiled after another one, its loop refers to that one's module, which a later process has not loaded."""
+    environment = os.environ | {"MICROFACET_CACHE": str(tmp_path), "PYTHONPATH": str(Path(__file__).parent.parent / "lib")}
+    command = [sys.executable, "-c", SHARED]
+    both, alone = (
+        json.loads(subprocess.run([*command, *names], env=environment, capture_output=True, text=True, check=True).stdout)
+        for names in (("G1", "D_visible"), ("D_visible",))
+    )
+    assert both[1:] == alone
+
+
 # --- arithmetic -------------------------------------------------------------------------------------------------------
 
 MODERATE = st.floats(-1e100, 1e100).filter(lambda v: v == 0 or abs(v) > 1e-100)

@@ -14,6 +14,8 @@ from __future__ import annotations
 import ast
 import builtins
 import hashlib
+import importlib
+import importlib.abc
 import importlib.util
 import inspect
 import math
@@ -24,9 +26,10 @@ import textwrap
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
+from importlib.machinery import ModuleSpec
 from pathlib import Path
 from types import FunctionType, ModuleType
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -176,9 +179,9 @@ def shared(real: Any) -> Callable[[FunctionType], Any]:
     """Decorator of the functions in the text: the same one in two texts is compiled once in a process."""
 
     def known(function: FunctionType) -> Any:
-        from numba import njit
+        import numba
 
-        compiler = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+        compiler: Any = cast(Any, numba.njit)(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
         return _shared.setdefault((real, function.__name__), compiler(function))
 
     return known
@@ -216,15 +219,25 @@ def _write(text: str) -> Path:
     return path
 
 
+MODULE = "microfacet_kernel_"
+
+
+class _Texts(importlib.abc.MetaPathFinder):
+    """Finds kept texts by the names of their modules: a compiled loop asks for those whose functions it shares."""
+
+    def find_spec(self, fullname: str, path: Any = None, target: Any = None) -> ModuleSpec | None:
+        file = cache_directory() / f"{fullname.removeprefix(MODULE)}.py"
+        if not fullname.startswith(MODULE) or not file.exists():
+            return None
+        return importlib.util.spec_from_file_location(fullname, file)
+
+
+sys.meta_path.append(_Texts())
+
+
 @cache
 def _load(path: Path) -> ModuleType:
-    spec = importlib.util.spec_from_file_location(f"microfacet_kernel_{path.stem}", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
+    return importlib.import_module(MODULE + path.stem)
 
 
 @cache
