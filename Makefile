@@ -1,6 +1,8 @@
-# make report   build/report.pdf and build/report.html, with all it needs installed into .venv from requirements.lock
-# make test     the tests
-# make lint     style, types, direction of imports
+# make report     build/report.pdf and build/report.html, with all it needs installed into .venv from requirements.lock
+# make test       the tests
+# make test-slow  the tests that take longer
+# make lint       style, types, direction of imports
+# make record     put on record what every statement reached (a build compares with it and never writes it)
 #
 # Another interpreter: make report PYTHON=python3.12
 
@@ -12,7 +14,7 @@ READY := .venv/ready
 unexport PYTHONDONTWRITEBYTECODE PYTHONHOME PYTHONPATH VIRTUAL_ENV
 export UV_PYTHON_DOWNLOADS := never
 
-.PHONY: report test test-all lint lock clean
+.PHONY: report test test-slow lint record lock clean
 .DELETE_ON_ERROR:
 
 report: $(READY)
@@ -21,8 +23,8 @@ report: $(READY)
 test: $(READY)
 	@$(BIN)/pytest -n auto --dist loadfile
 
-test-all: $(READY)
-	@$(BIN)/pytest -n auto --dist loadfile -m ""
+test-slow: $(READY)
+	@$(BIN)/pytest -n auto --dist worksteal -m slow
 
 lint: $(READY)
 	@$(BIN)/ruff check
@@ -30,6 +32,10 @@ lint: $(READY)
 	@$(BIN)/mypy
 	@$(BIN)/python workflow/direction.py
 	@$(BIN)/snakemake --lint
+
+record: $(READY)
+	@$(BIN)/snakemake $(SNAKEMAKE_OPTIONS) build/ledger.json
+	@$(BIN)/python workflow/ledger.py renew build/ledger.json records/ledger.json
 
 # The environment: an interpreter that is new enough, uv by its hash, then everything else by its.
 $(READY): requirements.lock pyproject.toml

@@ -78,17 +78,18 @@ rule ledger:
 
 rule gate:
     input:
-        "build/ledger.json",
+        ledger="build/ledger.json",
+        record="records/ledger.json",
     output:
         "build/gate",
     log:
         "build/logs/gate.log",
     message:
-        "gate     no statement may have failed"
+        "gate     no statement failed or got worse"
     conda:
         "environment.yml"
     shell:
-        "python workflow/ledger.py gate {input} {output} build/report.pdf build/report.html 2> {log}"
+        "python workflow/ledger.py gate {input.ledger} {input.record} {output} build/report.pdf build/report.html 2> {log}"
 
 
 rule data:

@@ -30,6 +30,7 @@ def settle_environment() -> None:
     os.environ["PYTHONPATH"] = str(Path("lib").resolve())
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     threads = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+    os.environ.setdefault("MICROFACET_CACHE", str(Path("build/kernels").resolve()))
     os.environ |= dict.fromkeys(threads, "1") | {"MPLBACKEND": "agg", "PYTHONHASHSEED": "0"}
 
 

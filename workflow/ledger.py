@@ -1,14 +1,17 @@
-"""The ledger gathers what became of every check; the gate lets a report pass only without a failure.
+"""The ledger gathers what became of every check; the gate lets a report pass only if none failed and none got worse.
+
+What every statement once reached is on record, in git; a build reads the record and never writes it.
 
 python workflow/ledger.py gather build/checks build/ledger.json
-python workflow/ledger.py gate build/ledger.json build/gate build/report.pdf
+python workflow/ledger.py gate build/ledger.json records/ledger.json build/gate build/report.pdf
 """
 
 from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from math import log10
 from pathlib import Path
 from typing import Any
 
@@ -51,19 +54,116 @@ def complaint(entry: dict[str, Any]) -> str:
     return "\n".join(line for line in lines if line.strip())
 
 
-def gate(ledger: Path, out: Path, *reports: Path) -> None:
-    """Pass, or name every failed statement and take away the reports that are no longer true."""
+# What was reached, and whether it still is ------------------------------------------------------
+
+SLACK = 1.25  # ulps may grow by so much, and half a unit: processors differ in the last place of exp and its like
+FEWER = 0.9  # of the distance from 0 that a cross is proved to keep
+
+
+def reached(entry: dict[str, Any]) -> dict[str, Any]:
+    """What is kept of an entry: by kind of check that passed, how well it did."""
+    kept = {kind: FIGURES[kind](entry["marks"][kind].get("measured", {})) for kind in KINDS if passed(entry, kind)}
+    return {"over": entry.get("over", ""), **kept}
+
+
+def proof_figures(measured: dict[str, Any]) -> dict[str, Any]:
+    return {"claims": measured.get("claims", 1)}
+
+
+def enclosure_figures(measured: dict[str, Any]) -> dict[str, Any]:
+    """Points or boxes; for equalities the digits proved, for crosses the box and the distance from 0."""
+    points = {"count": measured.get("count", 1)}
+    if "low" not in measured:
+        return points | {"digits": int(-log10(measured["radius"])) if measured.get("radius") else None}
+    margin = min(abs(measured["low"]), abs(measured["high"]))
+    return points | {"at": measured["at"], "margin": float(f"{margin:.3g}")}
+
+
+def kernel_figures(measured: dict[str, Any]) -> dict[str, Any]:
+    return {precision: round(found["ulps"], 2) for precision, found in measured.items()}
+
+
+def surface_figures(measured: dict[str, Any]) -> dict[str, Any]:
+    return {}
+
+
+FIGURES: dict[str, Callable[[dict[str, Any]], dict[str, Any]]] = {
+    "symbolic": proof_figures,
+    "enclosed": enclosure_figures,
+    "numeric": kernel_figures,
+    "measured": surface_figures,
+}
+
+
+def losses(now: dict[str, Any], before: dict[str, Any]) -> Iterator[str]:
+    """One sentence for each way in which a statement fell behind its record."""
+    if now["over"] != before["over"]:
+        yield f"the domain was {before['over'] or 'empty'}, it is {now['over'] or 'empty'}"
+    for kind in KINDS:
+        if kind in before and kind not in now:
+            yield f"{kind}: passed on record, not any more"
+        elif kind in before:
+            yield from (f"{kind}: {loss}" for loss in figures_lost(now[kind], before[kind]))
+
+
+def figures_lost(now: dict[str, Any], before: dict[str, Any]) -> Iterator[str]:
+    for name, old in before.items():
+        new = now.get(name)
+        if old is not None and (new is None or fell(name, new, old)):
+            yield f"{name} was {old}, it is {'gone' if new is None else new}"
+
+
+def fell(name: str, new: Any, old: Any) -> bool:
+    if name == "at":
+        return bool(new != old)
+    if name == "margin":
+        return bool(new < FEWER * old)
+    if name in ("claims", "count", "digits"):
+        return bool(new < old)
+    return bool(new > SLACK * old + 0.5)
+
+
+def behind(entries: list[dict[str, Any]], record: Path) -> list[str]:
+    """What the gate says of statements that are worse than the record, or gone."""
+    kept, now = record_of(record), {entry["key"]: reached(entry) for entry in entries}
+    gone = [f"  {key}\n      on record, but stated no more" for key in kept if key not in now]
+    worse = {key: list(losses(now[key], kept[key])) for key in kept if key in now}
+    return gone + ["\n      ".join([f"  {key}", *said]) for key, said in worse.items() if said]
+
+
+def renew(ledger: Path, record: Path) -> None:
+    """Put on record what the last build reached. Asked for by people only."""
     entries = json.loads(ledger.read_text("utf-8"))["entries"]
+    refuse_failures(entries, [])
+    text = json.dumps({entry["key"]: reached(entry) for entry in entries}, indent=1, sort_keys=True, ensure_ascii=False)
+    inventory.write_atomically(record, text + "\n")
+
+
+def gate(ledger: Path, record: Path, out: Path, *reports: Path) -> None:
+    """Pass, or name every statement that failed or got worse, and take away the report that is no longer true."""
+    entries = json.loads(ledger.read_text("utf-8"))["entries"]
+    refuse_failures(entries, reports)
+    if worse := behind(entries, record):
+        withdraw(reports)
+        head = f"No report: {len(worse)} statements are worse than {record} says. If that is meant: make record."
+        inventory.stop("\n".join([head, *worse]))
+    inventory.write_atomically(out, f"{len(entries)} statements passed\n")
+
+
+def refuse_failures(entries: list[dict[str, Any]], reports: Sequence[Path]) -> None:
     failed = [entry for entry in entries if entry["verdict"] != "pass"]
     if failed:
-        for report in reports:
-            report.unlink(missing_ok=True)
+        withdraw(reports)
         head = f"No report: {len(failed)} of {len(entries)} statements failed their checks."
         inventory.stop("\n".join([head, *map(complaint, failed)]))
-    inventory.write_atomically(out, f"{len(entries)} statements passed\n")
+
+
+def withdraw(reports: Sequence[Path]) -> None:
+    for report in reports:
+        report.unlink(missing_ok=True)
 
 
 if __name__ == "__main__":
     task, *paths = sys.argv[1:]
-    tasks: dict[str, Callable[..., None]] = {"gather": gather, "gate": gate}
+    tasks: dict[str, Callable[..., None]] = {"gather": gather, "gate": gate, "renew": renew}
     tasks[task](*map(Path, paths))

@@ -38,6 +38,7 @@ class Record:
     key: str
     marks: dict[str, Mark]
     stated_at: str = ""
+    over: str = ""
 
     @property
     def failures(self) -> list[str]:
@@ -55,7 +56,12 @@ class Record:
 def check(equation: Equation) -> Record:
     """Every check that applies to the statement."""
     marks = {"symbolic": symbolic(equation), "enclosed": enclosed(equation), "numeric": numeric(equation)}
-    return Record(equation.key, marks, equation.stated_at)
+    return Record(equation.key, marks, equation.stated_at, _domain(equation))
+
+
+def _domain(equation: Equation) -> str:
+    """For which arguments the statement makes its promise, for people."""
+    return ", ".join(f"{s} on the {d}" if isinstance(d, str) else f"{s} in [{d[0]}, {d[1]}]" for s, d in equation.over.items())
 
 
 # --- symbolic -------------------------------------------------------------------------------------------------------
@@ -145,7 +151,8 @@ def symbolic(equation: Equation) -> Mark:
         return Mark("fail", f"sympy cannot prove: {', '.join(failed)}")
     if not claims:
         return Mark("none", "enclosed only" if equation.enclosed else "a definition")
-    return Mark("pass", equation.proved_by or "sympy: " + ", ".join(name for name, _ in claims))
+    words = equation.proved_by or "sympy: " + ", ".join(name for name, _ in claims)
+    return Mark("pass", words, {"claims": len(claims)})
 
 
 # --- enclosed -------------------------------------------------------------------------------------------------------

@@ -52,7 +52,7 @@ def test_an_edited_caption_redoes_its_chapter_too(built: Checkout) -> None:
 
 def test_an_edited_kernel_redoes_its_own_check_only(built: Checkout) -> None:
     change_kernel(built, "a * 1")
-    gate = {"check visibility.G1", "ledger build/ledger.json", "gate no statement may have failed"}
+    gate = {"check visibility.G1", "ledger build/ledger.json", "gate no statement failed or got worse"}
     assert built.jobs() == gate | PAGES
 
 
@@ -73,6 +73,17 @@ def test_a_failing_check_stops_the_report_but_not_the_figures(built: Checkout) -
     assert not built.path(HTML).exists()
     assert built.path("build/figures/plain.svg").exists()
     change_kernel(built, "a")
+    assert built.snakemake().returncode == 0
+
+
+def test_a_statement_worse_than_its_record_stops_the_report(built: Checkout) -> None:
+    built.edit("records/ledger.json", '"claims": 1', '"claims": 2')
+    done = built.snakemake()
+    assert done.returncode != 0
+    assert "1 statements are worse than records/ledger.json says" in done.stdout
+    assert "symbolic: claims was 2, it is 1" in done.stdout
+    assert not built.path(PDF).exists()
+    built.edit("records/ledger.json", '"claims": 2', '"claims": 1')
     assert built.snakemake().returncode == 0
 
 
