@@ -1,4 +1,4 @@
-"""Computes what the figure `area` shows: the area of a microsurface from closed forms, and by quadrature as a check."""
+"""Computes what the figure `area` shows: the area of a microsurface from closed forms, by quadrature, and on surfaces."""
 
 import sys
 from functools import cache
@@ -9,11 +9,16 @@ from microfacet.directions import spherical
 from microfacet.geometry import beckmann, ggx
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
+from microfacet.surface.gaussian import GaussianField
+from microfacet.surface.measure import estimate
+from microfacet.surface.trace import HeightField
 from microfacet.validation.equations import ABOVE
 from microfacet.validation.quadrature import seen_batch
 from microfacet.visibility.masking import nothing
 
 CHECKED = np.linspace(0.1, 1.0, 10)
+MADE = np.linspace(0.2, 1.0, 5)
+SURFACES = 8
 SHOWN = 0.5
 
 
@@ -27,6 +32,14 @@ def facets(normals):
     return facets
 
 
+def made(alpha: float) -> tuple[float, float]:
+    """Area of all facets of Gaussian surfaces, per area of the plane, and its standard error over surfaces."""
+    family = GaussianField(256, alpha, correlation=12, root=34)
+    slopes = np.array([HeightField(family.spectral(k)).slopes for k in range(SURFACES)])
+    area = estimate(np.sqrt(1 + (slopes**2).sum(axis=-1)).mean(axis=-1))
+    return float(area.value), float(area.error)
+
+
 def measured(ndf) -> tuple[float, float]:
     """Area by quadrature, and its difference from a coarser rule."""
     sums = seen_batch(nothing, facets(type(ndf).kernel))([ABOVE], (ndf.parameters, ndf.scale))
@@ -35,7 +48,16 @@ def measured(ndf) -> tuple[float, float]:
 
 def compute() -> dict:
     alpha, theta = np.linspace(0.01, 0.999, 150), np.linspace(0, np.pi / 2, 181)
-    data = {"alpha": alpha, "checked": CHECKED, "theta": np.degrees(theta), "shown": SHOWN}
+    surfaces = np.array([made(a) for a in MADE]).T
+    data = {
+        "alpha": alpha,
+        "checked": CHECKED,
+        "made": MADE,
+        "theta": np.degrees(theta),
+        "shown": SHOWN,
+        "made_area": surfaces[0],
+        "made_error": surfaces[1],
+    }
     for name, module, family in (("beckmann", beckmann, Beckmann), ("ggx", ggx, GGX)):
         found = np.array([measured(family(a)) for a in CHECKED])
         data[name] = module.area.kernel(alpha)

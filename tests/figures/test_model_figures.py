@@ -32,6 +32,13 @@ def test_areas_grow_and_ggx_doubles(compute: Compute) -> None:
         assert np.trapezoid(data[f"{name}_density"], data["theta"]) == pytest.approx(middle, rel=1e-3)
 
 
+def test_surfaces_have_the_area_of_beckmann(compute: Compute) -> None:
+    data = compute("geometry/area")
+    closed = np.interp(data["made"][:-1], data["alpha"], data["beckmann"])
+    assert (abs(data["made_area"][:-1] - closed) < 4 * data["made_error"][:-1] + 1e-4).all()
+    assert (2 * data["made_error"] < 0.02).all()
+
+
 def test_masking_functions_at_the_reference_angles(compute: Compute) -> None:
     data = compute("visibility/masking_functions")
     assert np.all(data["verdict"][:, :2] == "holds")
