@@ -228,7 +228,8 @@ def tanh_sinh(nodes: int, reach: float = 3.15) -> tuple[tuple[float, ...], tuple
 
 
 ROUNDING = 1e-13  # of a sum of some 10^4 terms
-RADII = 72  # nodes along a radius, and over each half turn
+FINE, COARSE = 72, 54  # nodes along a radius, and over each half turn
+NODES, WEIGHTS = (fine + coarse for fine, coarse in zip(tanh_sinh(FINE), tanh_sinh(COARSE), strict=True))
 
 
 @cache
@@ -237,7 +238,6 @@ def albedo_rule(
     view: Callable[..., float],
     shadowed: Callable[..., float],
     fresnel: Callable[..., float],
-    count: int,
 ) -> Callable[..., float]:
     """Share of light reflected, by quadrature over the slopes whose mirror direction lies above the horizon.
 
@@ -245,9 +245,8 @@ def albedo_rule(
     the upright facet, after unstretching. Radius tan w follows the tails; nodes crowd at the rim, where light grazes, and
     at right angles to the view, where near grazing the disc's edge turns away from the upright facet.
     """
-    NODES, WEIGHTS = tanh_sinh(count)
 
-    def albedo(ox: float, oy: float, oz: float, p: Any) -> float:
+    def albedo(low: int, high: int, ox: float, oy: float, oz: float, p: Any) -> float:
         if not oz > 0.0:
             return 0.0
         alpha_x, alpha_y = p[2]
@@ -255,7 +254,7 @@ def albedo_rule(
         towards = atan2(alpha_y * oy, alpha_x * ox)
         total = 0.0
         for half in range(2):
-            for turn in range(count):
+            for turn in range(low, high):
                 angle = towards + pi * (half - 0.5 + NODES[turn])
                 dx, dy = alpha_x * cos(angle), alpha_y * sin(angle)
                 lean = (dx * ox + dy * oy) / oz
@@ -264,7 +263,7 @@ def albedo_rule(
                 rim = 1.0 / (lean + root) if lean >= 0.0 else (root - lean) / square
                 last = atan(rim)
                 ray = 0.0
-                for k in range(count):
+                for k in range(low, high):
                     radius = tan(last * NODES[k])
                     slope_x, slope_y = radius * dx, radius * dy
                     mz = 1.0 / sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
@@ -288,11 +287,10 @@ def albedo_batch(
     normals: Callable[..., float], view: Callable[..., float], shadowed: Callable[..., float], fresnel: Callable[..., float]
 ) -> Batch:
     """Albedo by a fine and a coarse rule: (..., 3) -> (..., 2)."""
-    fine = albedo_rule(normals, view, shadowed, fresnel, RADII)
-    coarse = albedo_rule(normals, view, shadowed, fresnel, RADII * 3 // 4)
+    albedo = albedo_rule(normals, view, shadowed, fresnel)
 
     def both(ox: float, oy: float, oz: float, p: Any) -> tuple[float, float]:
-        return fine(ox, oy, oz, p), coarse(ox, oy, oz, p)
+        return albedo(0, FINE, ox, oy, oz, p), albedo(FINE, FINE + COARSE, ox, oy, oz, p)
 
     return Batch(both, [3], 2)
 
