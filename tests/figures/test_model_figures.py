@@ -36,7 +36,7 @@ def test_surfaces_have_the_area_of_beckmann(compute: Compute) -> None:
     data = compute("geometry/area")
     closed = np.interp(data["made"][:-1], data["alpha"], data["beckmann"])
     assert (abs(data["made_area"][:-1] - closed) < 4 * data["made_error"][:-1] + 1e-4).all()
-    assert (2 * data["made_error"] < 0.02).all()
+    assert (2 * data["made_error"] < 0.03).all()  # half as high as a cross
 
 
 def test_masking_functions_at_the_reference_angles(compute: Compute) -> None:
