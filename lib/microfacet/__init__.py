@@ -19,6 +19,7 @@ PUBLIC = {
     "BlinnPhong": "geometry.blinn_phong",
     "Conductor": "material.fresnel",
     "Dielectric": "material.fresnel",
+    "Diffuse": "brdf.diffuse",
     "GGX": "geometry.ggx",
     "Implicit": "visibility.unphysical",
     "Kelemen": "visibility.unphysical",

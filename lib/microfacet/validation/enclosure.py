@@ -678,7 +678,7 @@ def quantifiers() -> Mapping[str, Quantifier]:
             "fails",
             (halved_ggx.key,),
             "view",
-            view,
-            rf"over GGX, for $\alpha \ne {vanishes_at(halved_ggx, alpha, 1)}$, where it is Smith's",
+            rf"{view}, $\alpha$ but ${vanishes_at(halved_ggx, alpha, 1)}$",
+            "over GGX; at the exception it is Smith's",
         ),
     }

@@ -127,7 +127,7 @@ with sp.evaluate(False):
         symbol=separable.equals,
         equals=height.equals,
         relation=r"\le",
-        proof=lambda it: [*_falls_short(it.symbol, it.equals), *_touch(it, Lambda_o, 0)],
+        proof=lambda it: [*_falls_short(it.symbol, it.equals), *_touch(it, Lambda_o, 0), *_touch(it, Lambda_i, 0)],
         proved_by="sympy: over the common denominator the difference is the product of both Lambdas",
         slides=(49, 50),
         cite="heitz2014",

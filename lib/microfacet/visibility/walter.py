@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from math import ceil
 
@@ -57,7 +58,7 @@ with sp.evaluate(False):
 
 
 @cache
-def _compiled(expression: sp.Expr) -> balls.Evaluator:
+def _compiled(expression: sp.Expr) -> Callable[..., Ball]:
     return balls.evaluator(expression, (a,))
 
 

@@ -1,0 +1,109 @@
+"""Matt facets: against a sum over the sphere, in the limits, and against Oren and Nayar."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import microfacet as mf
+import numpy as np
+import pytest
+from around import whole_hemisphere
+from microfacet import checks
+from microfacet.directions import spherical
+from samples import UP, hemisphere, views
+
+pytestmark = pytest.mark.xdist_group("brdf")
+
+SMITH, CAVITIES = mf.Smith(mf.Beckmann(0.5)), mf.VCavity(mf.GGX(0.5, 0.2))
+MODELS = [SMITH, CAVITIES]
+LIGHT = spherical(np.radians([10.0, 40.0, 65.0]), np.radians([200.0, 35.0, 110.0]))
+
+
+def by_normals(model: Any, wo: np.ndarray, wi: np.ndarray) -> float:
+    """The definition, over the sphere, with no edge at its place: few digits."""
+    patch = whole_hemisphere(0.5, 200, 800)
+    m = patch.directions
+    seen, lit = np.maximum(m @ wo, 0), np.maximum(m @ wi, 0)
+    return patch.sum(seen * lit * model.G2(wo, wi, m) * model.ndf.D(m)) / (np.pi * wo[2] * wi[2])
+
+
+@pytest.mark.parametrize("model", MODELS, ids=repr)
+def test_value_by_its_definition(model: Any) -> None:
+    brdf = mf.Diffuse(model)
+    for wo in views(0, 50, 75):
+        value, error = brdf.evaluate_with_error(wo, LIGHT)
+        expected = [by_normals(model, wo, wi) for wi in LIGHT]
+        np.testing.assert_allclose(value, expected, rtol=3e-4)
+        assert (error < 1e-4 * value).all()
+
+
+@pytest.mark.parametrize("model", MODELS, ids=repr)
+def test_reciprocal_nowhere_negative_and_nothing_through_the_surface(model: Any) -> None:
+    brdf = mf.Diffuse(model)
+    wo, wi = hemisphere(40, 1), hemisphere(40, 2)
+    value, back = brdf.evaluate(wo, wi), brdf.evaluate(wi, wo)
+    np.testing.assert_allclose(value, back, rtol=1e-9)
+    assert (value > 0).all()
+    down = np.array([1, 1, -1])
+    for o, i in ((wo * down, wi), (wo, wi * down), ([1.0, 0, 0], wi)):
+        np.testing.assert_array_equal(brdf.evaluate(o, i), 0)
+
+
+def test_without_roughness_a_matt_plane() -> None:
+    brdf = mf.Diffuse(mf.Smith(mf.Beckmann(1e-5)))
+    np.testing.assert_allclose(brdf.evaluate(views(0, 40, 70), LIGHT), 1 / np.pi, rtol=1e-4)
+    assert brdf.albedo(views(40)[0]) == pytest.approx(1, abs=1e-4)
+
+
+@pytest.mark.parametrize("model", MODELS, ids=repr)
+def test_no_more_light_leaves_than_arrives(model: Any) -> None:
+    """What is missing meets a second facet, as it does for mirrors."""
+    value, error = mf.Diffuse(model).albedo_with_error(views(0, 60))
+    assert ((value > 0.5) & (value < 1)).all()
+    assert (error < 1e-3).all()
+
+
+def test_facets_that_keep_some_light() -> None:
+    half, whole = mf.Diffuse(CAVITIES, 0.5), mf.Diffuse(CAVITIES)
+    wo = views(30)[0]
+    np.testing.assert_allclose(half.evaluate(wo, LIGHT), whole.evaluate(wo, LIGHT) / 2, rtol=1e-15)
+
+
+def test_single_precision_in_gives_single_precision_out() -> None:
+    brdf = mf.Diffuse(CAVITIES)
+    value = brdf.evaluate(UP.astype(np.float32), LIGHT.astype(np.float32))
+    assert value.dtype == np.float32
+    np.testing.assert_allclose(value, brdf.evaluate(UP, LIGHT), rtol=1e-4)
+
+
+def test_brighter_against_the_light_than_from_it() -> None:
+    """Oren and Nayar's observation: looking along the light, one sees the lit sides."""
+    along, against = views(60, azimuth=35)[0], views(60, azimuth=215)[0]
+    light = views(60, azimuth=35)[0]
+    brdf = mf.Diffuse(SMITH)
+    assert brdf.evaluate(along, light) > 1.3 * brdf.evaluate(against, light)
+
+
+def test_oren_and_nayars_fit_is_near_their_cavities() -> None:
+    """Small angles of spread sigma are Beckmann slopes of alpha = sqrt(2) sigma; with V-cavities, and some 10 % apart."""
+    fit = mf.equations["brdf.diffuse.oren_nayar"].kernel
+    sigma = np.radians(20)
+    brdf = mf.Diffuse(mf.VCavity(mf.Beckmann(np.sqrt(2) * sigma)))
+    for theta_o, theta_i, phi in ((0.2, 0.7, 0.0), (0.9, 0.5, 0.0), (0.6, 0.6, 1.5), (1.1, 1.1, 0.0)):
+        exact = float(brdf.evaluate(spherical(theta_o), spherical(theta_i, phi)))
+        assert float(fit(theta_o, theta_i, phi, sigma)) == pytest.approx(exact, rel=0.1)
+
+
+@pytest.mark.parametrize("wrong", [0, 1.5, -1, np.nan, "white"])
+def test_albedo_of_a_facet_is_a_share(wrong: Any) -> None:
+    with pytest.raises(ValueError, match=r"albedo must be a number in \(0, 1\], got"):
+        mf.Diffuse(SMITH, wrong)
+    with pytest.raises(ValueError, match="model must be a model of masking"):
+        mf.Diffuse(mf.GGX(0.3))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("key", ["rho", "flat", "energy", "lambert"])
+def test_a_statement_off_by_a_millionth_is_red(monkeypatch: pytest.MonkeyPatch, key: str) -> None:
+    statement = mf.equations[f"brdf.diffuse.{key}"]
+    monkeypatch.setitem(statement.__dict__, "equals", statement.equals * 1000001 / 1000000)
+    assert checks.symbolic(statement).status == "fail"
