@@ -271,7 +271,7 @@ def test_every_public_name_is_there() -> None:
     promised = {
         *("Beckmann", "GGX", "Ward", "BlinnPhong", "NormalizedBlinnPhong"),
         *("Smith", "VCavity", "Implicit", "Kelemen", "SchlickSmith"),
-        *("Microfacet", "Dielectric", "Conductor", "Schlick", "validate", "equations"),
+        *("Microfacet", "Diffuse", "Dielectric", "Conductor", "Schlick", "validate", "equations"),
     }
     assert promised <= set(dir(mf))
     for name in promised:

@@ -178,12 +178,23 @@ with sp.evaluate(False):
         equals=K * (1 + c**2) ** (-(n + 1) / 2) * sp.Function("H")(c / sp.sqrt(1 + c**2), n) / c,
         computed_by=student_Lambda,
         over={c: (1e-6, 1e3), n: (0.5, 1000), K: (1e-2, 1e2)},
+        enclosed=lambda it: balls.agreement(
+            _hidden_folded(it), it.equals, (c, n, K), [(0.1, 0.5, 1.0), (1.0, 1.0, 1.0), (0.5, 10.0, 1.0), (2.0, 10.0, 1.0)]
+        ),
         proof=lambda: _substitution_steps(),
         proved_by="sympy: substitution q = c + sqrt(1+c^2) v",
         slides=(62,),
         cite="heitz2014",
         note="Normalised Blinn-Phong needs its own Lambda; borrowing Beckmann's breaks the furnace.",
     )
+
+
+def _hidden_folded(it: Equation) -> sp.Expr:
+    """The integral up to c + 1, and beyond it over 1/q."""
+    (whole,) = it.means.atoms(sp.Integral)
+    factor_ = sp.simplify(whole.function.doit() / ((q - c) * (1 + q**2) ** (-(n + 3) / 2)))  # what does not depend on q
+    beyond = factor_ * (1 - c * u) * u**n * (1 + u**2) ** (-(n + 3) / 2)
+    return under_integral(it, sp.Integral(whole.function, (q, c, c + 1)) + sp.Integral(beyond, (u, 0, 1 / (c + 1))))
 
 
 def _substitution_steps() -> list[Any]:
@@ -228,6 +239,9 @@ with sp.evaluate(False):
         equals=K * (1 + q**2) ** (-(n + 3) / 2),
         where={K: _K},
         proof=lambda it: _marginal_steps(it),
+        enclosed=lambda it: balls.agreement(
+            _across_folded(it), it.equals.subs(K, _K), (q, n), [(0.0, 0.5), (1.0, 1.0), (3.0, 10.0), (0.5, 1e3)]
+        ),
         proved_by="sympy: y = sqrt(1+q^2) r leaves the integral K",
         slides=(62,),
         cite="heitz2014",
@@ -258,6 +272,15 @@ def _beta_folded(it: Equation) -> sp.Expr:
 def _beta_steps(it: Equation) -> list[Any]:
     beta = 2 * sp.integrate((1 + r**2) ** (-(n + 4) / 2), (r, 0, sp.oo), conds="none")
     return [sp.gammasimp(beta / it.equals.doit()) - 1]
+
+
+def _across_folded(it: Equation) -> sp.Expr:
+    """Twice the integral up to 1, and beyond it over 1/y."""
+    near = (1 + q**2 + y**2) ** (-(n + 4) / 2)
+    beyond = y ** (n + 2) * (1 + (1 + q**2) * y**2) ** (-(n + 4) / 2)
+    (whole,) = it.means.atoms(sp.Integral)
+    scale = sp.simplify(whole.function.doit() / near)
+    return under_integral(it, 2 * scale * sum(sp.Integral(part, (y, 0, 1)) for part in (near, beyond)))
 
 
 def _marginal_steps(it: Equation) -> list[Any]:
