@@ -27,7 +27,7 @@ CHAPTERS = inventory.chapters()
 
 
 wildcard_constraints:
-    key=r"[\w.]+",
+    group=r"[\w.]+",
     name=r"\w+",
     form=r"pdf|html",
     chapter=r"\w+",
@@ -46,22 +46,23 @@ rule all:
 
 rule check:
     output:
-        "build/checks/{key}.json",
+        "build/checks/{group}.json",
     params:
-        fingerprint=lambda wildcards: build.statement(wildcards.key)["fingerprint"],
+        statements=lambda wildcards: build.group(wildcards.group),
+        fingerprints=lambda wildcards: build.fingerprints(wildcards.group),
     log:
-        "build/logs/check/{key}.log",
+        "build/logs/check/{group}.log",
     message:
-        "check    {wildcards.key}"
+        "check    {wildcards.group}: {params.statements}"
     conda:
         "environment.yml"
     shell:
-        "python -m microfacet check {wildcards.key} --out {output} 2> {log}"
+        "python -m microfacet check {params.statements} --kept build/kept --out {output} 2> {log}"
 
 
 rule ledger:
     input:
-        expand("build/checks/{key}.json", key=inventory.statements()),
+        expand("build/checks/{group}.json", group=build.groups()),
     output:
         "build/ledger.json",
     params:

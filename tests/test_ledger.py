@@ -119,9 +119,25 @@ def test_command_lists_and_writes_one_record(tmp_path: Path, capsys: pytest.Capt
     assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == KEYS
     out = tmp_path / "record.json"
     assert main(["check", "visibility.smith.heights", "--out", str(out)]) == 0
-    record = json.loads(out.read_text())
+    record = json.loads(out.read_text())["visibility.smith.heights"]
     assert (record["key"], record["verdict"], record["message"]) == ("visibility.smith.heights", "pass", "")
     assert {mark["status"] for mark in record["marks"].values()} <= {"pass", "fail", "none"}
+
+
+def test_a_kept_record_is_taken_until_the_statement_changes(tmp_path: Path) -> None:
+    words = ["check", "visibility.smith.heights", "--kept", str(tmp_path / "kept"), "--out", str(tmp_path / "out.json")]
+    assert main(words) == 0
+    (kept,) = (tmp_path / "kept").iterdir()
+    fresh = kept.read_text()
+    kept.write_text(fresh.replace('"verdict": "pass"', '"verdict": "kept"'))
+    assert main(words) == 0
+    assert '"verdict": "kept"' in (tmp_path / "out.json").read_text()
+    kept.write_text("{torn")
+    assert main(words) == 0
+    assert kept.read_text() == (tmp_path / "out.json").read_text() == fresh
+    kept.rename(kept.with_name(f"visibility.smith.heights-{'0' * 20}.json"))
+    assert main(words) == 0
+    assert len(list((tmp_path / "kept").iterdir())) == 2
 
 
 def test_command_names_an_unknown_key(capsys: pytest.CaptureFixture[str]) -> None:

@@ -53,9 +53,20 @@ def digest(value: object) -> str:
 # Statements and figures ------------------------------------------------------------------------
 
 
-def statement(key: str) -> dict[str, Any]:
-    found = inventory.statements().get(key)
-    return found or inventory.stop(inventory.unknown("equation", key, inventory.statements()))
+def groups() -> dict[str, list[str]]:
+    """Statements that are checked by one process, those of a common stem: starting takes longer than most checks."""
+    found: dict[str, list[str]] = {}
+    for key in inventory.statements():
+        found.setdefault(key.rpartition(".")[0], []).append(key)
+    return found
+
+
+def group(stem: str) -> list[str]:
+    return groups().get(stem) or inventory.stop(inventory.unknown("group of equations", stem, groups()))
+
+
+def fingerprints(stem: str) -> list[str]:
+    return [inventory.statements()[key]["fingerprint"] for key in group(stem)]
 
 
 def figure(name: str) -> inventory.Figure:
@@ -93,8 +104,8 @@ def refuse_unknown(arguments: list[str], rules: Iterable[str]) -> None:
 
 
 def asked_for(arguments: list[str]) -> list[str]:
-    """The targets among the words of a snakemake command line."""
-    if all(word.startswith("-") for word in arguments):
+    """The targets among the words of a snakemake command line; none in a cluster's job, which is told what to do otherwise."""
+    if "--target-jobs" in arguments or all(word.startswith("-") for word in arguments):
         return []
     from snakemake.cli import get_argument_parser
 

@@ -29,9 +29,13 @@ def record_of(path: Path) -> dict[str, Any]:
 
 def gather(folder: Path, out: Path) -> None:
     """One entry per statement: what it says, how it was checked, and how that went."""
+    found: dict[str, Any] = {}
+    for key in inventory.statements():
+        group = key.rpartition(".")[0]
+        found |= {} if key in found else record_of(folder / f"{group}.json")
     entries = []
     for key, statement in inventory.statements().items():
-        record = record_of(folder / f"{key}.json")
+        record = found[key]
         told = {name: statement[name] for name in ("title", "slides", "cite", "latex")}
         entries.append({"key": key, **told, **record})
     tally = {kind: sum(passed(e, kind) for e in entries) for kind in KINDS}

@@ -7,7 +7,10 @@ import json
 import os
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from microfacet.statement import Equation
 
 
 def parser() -> argparse.ArgumentParser:
@@ -17,6 +20,9 @@ def parser() -> argparse.ArgumentParser:
     check.add_argument("keys", nargs="*", metavar="KEY", help="keys of statements; none means all")
     check.add_argument(
         "--out", metavar="FILE", help="write the records here as JSON; the exit status is then 0 if they fail too"
+    )
+    check.add_argument(
+        "--kept", metavar="FOLDER", help="keep each record here too, and take it from here while the statement is the same"
     )
     commands.add_parser("list", help="list the statements by key")
     return main
@@ -30,7 +36,7 @@ def main(words: list[str] | None = None) -> int:
         print("\n".join(f"{key:40} {equations[key].title}" for key in equations))
         return 0
     try:
-        found = [equations[key].check().as_json() for key in chosen.keys or equations]
+        found = [_record(equations[key], chosen.kept) for key in chosen.keys or equations]
     except KeyError as unknown:
         print(unknown.args[0], file=sys.stderr)
         return 2
@@ -40,10 +46,24 @@ def main(words: list[str] | None = None) -> int:
     return _print(found)
 
 
+def _record(equation: Equation, kept: str | None) -> dict[str, Any]:
+    """What the checks find; a kept record of the very same statement says it already."""
+    if kept is None:
+        return equation.check().as_json()
+    path = Path(kept) / f"{equation.key}-{equation.fingerprint}.json"
+    try:
+        return dict(json.loads(path.read_text())[equation.key])
+    except (OSError, ValueError, KeyError):
+        found = equation.check().as_json()
+        _write(path, [found])
+        return found
+
+
 def _write(path: Path, records: list[dict[str, Any]]) -> None:
-    """One record as such, several as a list; the file is complete or not there."""
+    """Records by key; the file is complete or not there."""
+    path.parent.mkdir(parents=True, exist_ok=True)
     scratch = path.with_suffix(f".{os.getpid()}.tmp")
-    scratch.write_text(json.dumps(records[0] if len(records) == 1 else records, indent=1) + "\n")
+    scratch.write_text(json.dumps({record["key"]: record for record in records}, indent=1) + "\n")
     os.replace(scratch, path)
 
 

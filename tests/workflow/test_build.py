@@ -52,7 +52,11 @@ def test_an_edited_caption_redoes_its_chapter_too(built: Checkout) -> None:
 
 def test_an_edited_kernel_redoes_its_own_check_only(built: Checkout) -> None:
     change_kernel(built, "a * 1")
-    gate = {"check visibility.G1", "ledger build/ledger.json", "gate no statement failed or got worse"}
+    gate = {
+        "check visibility: visibility.G1 visibility.Lambda",
+        "ledger build/ledger.json",
+        "gate no statement failed or got worse",
+    }
     assert built.jobs() == gate | PAGES
 
 
@@ -129,11 +133,11 @@ def test_a_broken_chapter_names_its_place(built: Checkout) -> None:
 
 
 def test_a_torn_record_is_one_sentence(built: Checkout) -> None:
-    built.path("build/checks/geometry.area.json").write_text('{"key": ')
+    built.path("build/checks/geometry.json").write_text('{"key": ')
     built.path("build/ledger.json").unlink()
     done = built.snakemake("build/ledger.json")
-    assert "The record build/checks/geometry.area.json is torn" in done.stdout
-    built.path("build/checks/geometry.area.json").unlink()
+    assert "The record build/checks/geometry.json is torn" in done.stdout
+    built.path("build/checks/geometry.json").unlink()
     assert built.snakemake().returncode == 0
 
 

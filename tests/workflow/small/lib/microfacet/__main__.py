@@ -1,4 +1,4 @@
-"""python -m microfacet check KEY --out FILE"""
+"""python -m microfacet check KEY... --kept FOLDER --out FILE"""
 
 import json
 import sys
@@ -6,5 +6,5 @@ from pathlib import Path
 
 from microfacet.statement import equations
 
-_, key, _, out = sys.argv[1:]
-Path(out).write_text(json.dumps(equations[key].check()))
+*keys, _, _, _, out = sys.argv[2:]
+Path(out).write_text(json.dumps({key: equations[key].check() for key in keys}))
