@@ -8,11 +8,13 @@ import signal
 import subprocess
 import sys
 import time
+import tomllib
 from pathlib import Path
 
 import campaign
 import numpy as np
 import pytest
+import yaml
 from checkout import ROOT, Checkout
 from microfacet.surface.campaign import CAMPAIGN
 
@@ -66,3 +68,21 @@ def test_a_killed_campaign_loses_the_running_ranges_only(tmp_path: Path) -> None
     assert checkout.snakemake(target, "--config", "surfaces=6", "range=4").returncode == 0
     for name, values in np.load(checkout.path(target)).items():
         np.testing.assert_array_equal(values, few[name])
+
+
+def test_the_cluster_has_what_its_profile_asks_for() -> None:
+    profile = yaml.safe_load((ROOT / "profiles/slurm/config.yaml").read_text("utf-8"))
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
+    assert any(one.startswith(f"snakemake-executor-plugin-{profile['executor']}") for one in extras["slurm"])
+    assert profile["slurm-status-command"] == "squeue"  # with sacct, and no accounting, a failed job is never noticed
+    assert (
+        yaml.safe_load((ROOT / "profiles/default/config.yaml").read_text("utf-8")).items() - {("cores", "all")}
+        <= profile.items()
+    )
+
+
+def test_a_job_of_a_cluster_asks_for_no_target() -> None:
+    import build
+
+    words = ["--target-jobs", "measure:entry=a", "--allowed-rules", "measure", "--cores", "1"]
+    assert build.asked_for([word for word in words if word != "measure"]) == []
