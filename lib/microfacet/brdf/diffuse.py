@@ -107,6 +107,8 @@ with sp.evaluate(False):
         )
         / sp.pi,
         relation=r"\approx",
+        proof=lambda it: _fit_steps(it),
+        proved_by="sympy: the same with both quotients divided out",
         over={theta_o: (0.001, 1.5), theta_i: (0.001, 1.5), phi: (0, 1.5), sigma: (0.001, 1)},
         slides=(20,),
         cite="oren1994",
@@ -118,6 +120,15 @@ def _flat_steps(it: Equation) -> list[Any]:
     (whole,) = rho.equals.atoms(sp.Integral)
     level = {shown_o: 1, shown_i: 1, G2: 1, P22(x, y): 1, sp.cos(wm.theta): 1}
     return [it.equals - rho.equals.xreplace({whole: 1}).doit() * whole.function.subs(level)]
+
+
+def _fit_steps(it: Equation) -> list[Any]:
+    """Two numbers that depend on sigma, once more: the one falls from 1 to 1/2, the other rises from 0 to 0.45."""
+    level = (1 + sp.Rational(33, 100) / (sigma**2 + sp.Rational(33, 100))) / 2
+    rise = sp.Rational(45, 100) * (1 - sp.Rational(9, 100) / (sigma**2 + sp.Rational(9, 100)))
+    turn, steep, flat_ = sp.symbols("turn steep flat", positive=True)
+    put = {sp.Max(0, sp.cos(phi)): turn, sp.sin(sp.Max(theta_o, theta_i)): steep, sp.tan(sp.Min(theta_o, theta_i)): flat_}
+    return [it.equals.subs(put) - (level + rise * turn * steep * flat_) / sp.pi]
 
 
 # --- kernels ----------------------------------------------------------------------------------------------------------

@@ -82,7 +82,7 @@ with sp.evaluate(False):
         means=sp.Integral((sp.cos(theta_o) - q * sp.sin(theta_o)) * P2(q), (q, -sp.oo, sp.oo)),
         equals=mu_o,
         where={P2(q): beckmann.P2.equals, mu_o: sp.cos(theta_o)},
-        proof=lambda it: [*grounded(it), *_signed_steps()],
+        proof=lambda it: [*grounded(it), it.means.atoms(sp.Integral).pop().function - facet.means * P2(q), *_signed_steps()],
         proved_by="sympy: P2 has the integral 1 and the mean 0, as Beckmann's and that of GGX",
         slides=(38, 39),
         cite="heitz2014",

@@ -19,6 +19,13 @@ ERROR = sp.Rational(32, 10000)
 PARTS = 10**4
 ABOVE = 1.5482  # from here to the end the fit is above 1
 
+
+def _fitted_Lambda() -> sp.Expr:
+    """The same fit as renderers write it, for Lambda."""
+    c = [sp.Rational(k, 1000) for k in (1259, 396, 3535, 2181)]
+    return (1 - c[0] * a + c[1] * a**2) / (c[2] * a + c[3] * a**2)
+
+
 with sp.evaluate(False):
     _C = [sp.Rational(k, 1000) for k in (3535, 2181, 2276, 2577)]
     fit = Equation(
@@ -27,6 +34,8 @@ with sp.evaluate(False):
         symbol=raw("G1_walter", r"G_1(\omega_o, \omega_m)"),
         equals=(_C[0] * a + _C[1] * a**2) / (1 + _C[2] * a + _C[3] * a**2),
         relation=r"\approx",
+        proof=lambda it: [it.equals - 1 / (1 + _fitted_Lambda())],
+        proved_by="sympy: the forms in use, for G1 and for Lambda, are one function",
         over={a: (1e-8, END)},
         slides=(58, 62),
         cite="walter2007",
@@ -51,6 +60,8 @@ with sp.evaluate(False):
         symbol=raw("walter_fit", r"G_1^{\mathrm{fit}}(a)"),
         equals=sp.Integer(1),
         relation=">",
+        proof=lambda it: [fit.equals.doit().subs(a, root) - it.equals for root in sp.solve(_fitted_Lambda(), a)],
+        proved_by="sympy: the fit is 1 where its Lambda is 0; its sign beyond by balls",
         enclosed=lambda it: [balls.over(lambda **at: _fitted(at["a"]) - balls.ball(it.equals), a=(ABOVE, float(END)))],
         slides=(58, 62),
         cite="walter2007",
