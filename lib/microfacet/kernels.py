@@ -34,7 +34,9 @@ from typing import Any, cast
 import numpy as np
 
 Parameters = tuple[Any, ...]
+Single = tuple[bool, ...]
 CHUNK = 16384  # elements a thread takes at once: large enough to hide the hand-over, small enough to balance
+KEPT = 64  # sets of parameters that a loop is kept ready for
 
 _HEADER = """\
 from math import *
@@ -190,19 +192,27 @@ def shared(real: Any) -> Callable[[FunctionType], Any]:
 # --- from one text to a compiled loop -----------------------------------------------------------------------------
 
 
-def _loop(name: str, widths: Sequence[int], outputs: int) -> str:
-    """The text of the loop: arrays of shape (n, width) or (1, width) with stride 0, then parameters, then the result."""
-    arrays = ", ".join(f"a{k}, s{k}" for k in range(len(widths)))
-    values = [f"a{k}[i * s{k}, {c}]" for k, width in enumerate(widths) for c in range(width)]
-    call = f"{name}({', '.join([*values, 'p'])})"
-    store = f"out[i, 0] = {call}" if outputs == 1 else f"{', '.join(f'out[i, {c}]' for c in range(outputs))} = {call}"
-    inputs = ", ".join("types.Array(R, 2, 'C', readonly=True), types.intp" for _ in widths)
+def _loop(name: str, widths: Sequence[int], outputs: int, single: Sequence[bool]) -> str:
+    """The text of the loop over flat arrays, row after row. Of a `single` one, the first row serves every turn.
+
+    Flat arrays and indices that are multiples of the counter are what the compiler needs to take several turns at once.
+    """
+    arrays = [f"a{k}" for k in range(len(widths))]
+    rows = [[f"b{k}_{c}" if single[k] else f"a{k}[{width} * i + {c}]" for c in range(width)] for k, width in enumerate(widths)]
+    loads = [f"{row[c]} = a{k}[{c}]" for k, row in enumerate(rows) if single[k] for c in range(len(row))]
+    slices = [f"a{k} = a{k}[{w} * start : {w} * stop]" for k, w in enumerate(widths) if not single[k]]
+    slices.append(f"out = out[{outputs} * start : {outputs} * stop]")
+    call = f"{name}({', '.join([*(value for row in rows for value in row), 'p'])})"
+    store = ", ".join(f"out[{outputs} * i + {c}]" for c in range(outputs))
+    inputs = "types.Array(R, 1, 'C', readonly=True), " * len(widths)
+    before = "".join(f"        {line}\n" for line in [*loads, *slices])
     return (
         f"def compiled(p):\n"
-        f"    @njit((types.intp, types.intp, {inputs}, p, R[:, ::1]), nogil=True, cache=True, error_model='numpy')\n"
-        f"    def loop(start, stop, {arrays}, p, out):\n"
-        f"        for i in range(start, stop):\n"
-        f"            {store}\n"
+        f"    @njit((types.intp, types.intp, {inputs}p, R[::1]), nogil=True, cache=True, error_model='numpy')\n"
+        f"    def loop(start, stop, {', '.join(arrays)}, p, out):\n"
+        f"{before}"
+        f"        for i in range(stop - start):\n"
+        f"            {store} = {call}\n"
         f"    return loop\n"
     )
 
@@ -277,46 +287,60 @@ class Batch:
 
     def __init__(self, function: Callable[..., Any], widths: Sequence[int], outputs: int = 1) -> None:
         self.function, self.widths, self.outputs = function, tuple(widths), outputs
-        self._loops: dict[tuple[type, Any], Callable[..., None]] = {}
+        self._loops: dict[tuple[type, Any, Single], Callable[..., None]] = {}
+        self._ready: dict[tuple[type, Parameters, Single], tuple[Callable[..., None], Any]] = {}
 
-    def text(self, real: type) -> str:
-        """The whole program in the given precision."""
+    def text(self, real: type, single: Single = ()) -> str:
+        """The whole program in the given precision; single: which arguments have one row for all, by default none."""
         program = _Program(real)
         name = program.add(self.function)  # type: ignore[arg-type]
         header = _HEADER.format(real=np.dtype(real).name)
-        return "\n\n".join([header, *program.texts, _loop(name, self.widths, self.outputs)])
+        single = single or (False,) * len(self.widths)
+        return "\n\n".join([header, *program.texts, _loop(name, self.widths, self.outputs, single)])
 
-    def _compiled(self, real: type, parameters: Any) -> Callable[..., None]:
+    def _compiled(self, real: type, parameters: Any, single: Single) -> Callable[..., None]:
         import numba
 
         kind = numba.typeof(parameters)
-        if (real, kind) not in self._loops:
-            module = _load(_write(self.text(real)))
-            self._loops[real, kind] = module.compiled(kind)
-        return self._loops[real, kind]
+        if (real, kind, single) not in self._loops:
+            module = _load(_write(self.text(real, single)))
+            self._loops[real, kind, single] = module.compiled(kind)
+        return self._loops[real, kind, single]
+
+    def _prepared(self, real: type, parameters: Parameters, single: Single) -> tuple[Callable[..., None], Any]:
+        """The loop, and the parameters as it takes them: found once, since that costs more than a hundred turns."""
+        if (ready := self._ready.get((real, parameters, single))) is None:
+            if len(self._ready) >= KEPT:
+                self._ready.clear()
+            cast_ = _cast(parameters, real)
+            ready = self._ready[real, parameters, single] = self._compiled(real, cast_, single), cast_
+        return ready
 
     def __call__(self, arrays: Sequence[Any], parameters: Parameters = (), out: np.ndarray | None = None) -> Any:
         """Apply to arrays that broadcast against each other; float32 in gives float32 out, all else is float64."""
         inputs = [np.asarray(a) for a in arrays]
-        real = np.float32 if all(a.dtype == np.float32 for a in inputs) else np.float64
-        shape = np.broadcast_shapes(*(a.shape[:-1] if w > 1 else a.shape for a, w in zip(inputs, self.widths, strict=True)))
-        flat = [_flatten(a, w, shape, real) for a, w in zip(inputs, self.widths, strict=True)]
+        real = np.float32 if all(a.dtype == _SINGLE for a in inputs) else np.float64
+        shapes = [a.shape[:-1] if w > 1 else a.shape for a, w in zip(inputs, self.widths, strict=True)]
+        shape = shapes[0] if all(s == shapes[0] for s in shapes) else np.broadcast_shapes(*shapes)
+        count = math.prod(shape)
+        flat = [_flatten(a, w, s, shape, count, real) for a, w, s in zip(inputs, self.widths, shapes, strict=True)]
         full = (*shape, self.outputs) if self.outputs > 1 else shape
         result = _result(out, full, real)
-        count = math.prod(shape)
-        target = result.reshape(count, self.outputs)
-        loop = self._compiled(real, parameters := _cast(parameters, real))
-        strided = [x for a in flat for x in (a, 0 if len(a) == 1 else 1)]
-        _share(lambda start, stop: loop(start, stop, *strided, parameters, target), count)
+        single = tuple(count != 1 and a.size == w for a, w in zip(flat, self.widths, strict=True))
+        loop, packed_parameters = self._prepared(real, parameters, single)
+        target = result.reshape(-1)
+        _share(lambda start, stop: loop(start, stop, *flat, packed_parameters, target), count)
         return result if full or out is not None else result[()]
 
 
-def _flatten(array: np.ndarray, width: int, shape: tuple[int, ...], real: type) -> np.ndarray:
-    """Rows of the array, one for all if it has only one, otherwise one for each element of the broadcast shape."""
-    rows = array if width > 1 else array[..., None]
-    if math.prod(rows.shape[:-1]) != 1:
-        rows = np.broadcast_to(rows, (*shape, width))
-    return np.ascontiguousarray(rows, dtype=real).reshape(-1, width)
+_SINGLE = np.dtype(np.float32)
+
+
+def _flatten(array: np.ndarray, width: int, own: tuple[int, ...], shape: tuple[int, ...], count: int, real: type) -> np.ndarray:
+    """The rows of the array one after another, one for all if it has only one, else one for each element of the shape."""
+    if own != shape and array.size != width:
+        array = np.broadcast_to(array, (*shape, width) if width > 1 else shape)
+    return np.ascontiguousarray(array, dtype=real).reshape(-1)
 
 
 def _result(out: np.ndarray | None, shape: tuple[int, ...], real: type) -> np.ndarray:
