@@ -33,6 +33,8 @@ from typing import Any, cast
 
 import numpy as np
 
+from microfacet.processors import threads
+
 Parameters = tuple[Any, ...]
 Single = tuple[bool, ...]
 CHUNK = 16384  # elements a thread takes at once: large enough to hide the hand-over, small enough to balance
@@ -253,12 +255,6 @@ def _load(path: Path) -> ModuleType:
 @cache
 def _pool() -> ThreadPoolExecutor:
     return ThreadPoolExecutor(threads())
-
-
-def threads() -> int:
-    """How many threads a large array is shared among: $MICROFACET_THREADS, else the processors this process may use."""
-    chosen = os.environ.get("MICROFACET_THREADS")
-    return max(1, int(chosen)) if chosen else len(os.sched_getaffinity(0))
 
 
 def _cast(parameters: Any, real: type) -> Any:

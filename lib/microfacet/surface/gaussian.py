@@ -31,7 +31,7 @@ import scipy.fft
 from numpy.typing import ArrayLike, NDArray
 
 from microfacet.directions import positive
-from microfacet.kernels import threads
+from microfacet.processors import threads
 
 Array = NDArray[np.float64]
 PERIODS = 6.0  # correlation lengths in a period, at least: its ends are then independent to exp(-36)

@@ -37,7 +37,7 @@ from numba.extending import intrinsic
 from numpy.typing import ArrayLike, NDArray
 
 from microfacet.directions import as_vectors
-from microfacet.kernels import threads
+from microfacet.processors import threads
 
 Array = NDArray[np.float64]
 Singles = NDArray[np.float32]
