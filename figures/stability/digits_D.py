@@ -1,0 +1,54 @@
+r"""Taken from the cosine alone, the distribution of normals of a smooth surface has no digits left.
+
+Decimal digits of $D$ that agree with a reference of 50 digits, over roughness and the angle of the normal; the latter is
+spaced by its tangent, from $10^{-8}$ above the pole to as near the horizon. Left, the textbook forms, right, the library's, in
+both precisions; above GGX, below Beckmann. The line encloses where fewer than three digits are right: next to the pole the
+cosine rounds to 1, and what it has lost is divided by $\alpha^2$. Hatched, numbers too small for the precision.
+"""
+
+import sys
+
+import numpy as np
+from microfacet import plotting
+
+SLIDES = (55, 67)
+COLUMNS = ("textbook_float64", "textbook_float32", "library_float64", "library_float32")
+TITLES = ("textbook, double", "textbook, single", "library, double", "library, single")
+ANGLES = ["$10^{-8}$", "$10^{-4}$", r"$\pi/4$", r"$\frac{\pi}{2} - 10^{-4}$", r"$\frac{\pi}{2} - 10^{-8}$"]
+PLACE = {"ggx": (-5.4, -5.2), "beckmann": (-0.2, -5.4)}  # of the name of the cause
+
+
+def panel(ax: plotting.Axes, data: dict, name: str) -> object:
+    """One map, with what has failed outlined; what the precision cannot hold is hatched."""
+    x, y, digits = np.log10(data["alpha"]), np.log10(data["tangent"]), data[name].T
+    ax.set_facecolor("0.93")
+    filled = ax.contourf(x, y, digits, np.arange(0, 16.1, 1))
+    ax.contourf(x, y, np.isnan(digits).astype(float), [0.5, 1.5], colors="none", hatches=["////"])
+    if np.nanmin(digits) < data["few"]:
+        ax.contour(x, y, digits, [data["few"]], colors=plotting.COLOURS["light"], linestyles="-", linewidths=1.2)
+    return filled
+
+
+def draw(data: dict) -> plotting.Figure:
+    figure, axes = plotting.canvas(__file__, height=3.5, nrows=2, ncols=4, sharex=True, sharey=True)
+    figure.subplots_adjust(left=0.14, right=0.9, bottom=0.13, top=0.92, wspace=0.1, hspace=0.12)
+    for row, name in zip(axes, ("ggx", "beckmann"), strict=True):
+        for ax, column, title in zip(row, COLUMNS, TITLES, strict=True):
+            filled = panel(ax, data, f"{name}_{column}")
+            if name == "ggx":
+                ax.set_title(title)
+            if column == "textbook_float32":
+                plotting.label(ax, PLACE[name], "$\\cos\\theta_m$\nrounds to 1", color="w", fontsize=6.5)
+        row[0].set_ylabel({"ggx": "GGX", "beckmann": "Beckmann"}[name] + r": $\theta_m$")
+        row[0].set_yticks([-8, -4, 0, 4, 8], labels=ANGLES)
+    for ax in axes[1]:
+        ax.set_xticks([-8, -4, 0], labels=["$10^{-8}$", "$10^{-4}$", "1"])
+        ax.set_xlabel(r"$\alpha$")
+    bar = figure.colorbar(filled, cax=figure.add_axes((0.92, 0.13, 0.018, 0.79)))
+    bar.set_ticks([0, 3, 7, 15])
+    return figure
+
+
+if __name__ == "__main__":
+    data, *outputs = sys.argv[1:]
+    plotting.save(draw(plotting.load(data)), outputs)
