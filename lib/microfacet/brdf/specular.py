@@ -11,7 +11,9 @@ import numpy as np
 import sympy as sp
 
 from microfacet import balls
+from microfacet.brdf.ggx import lobe
 from microfacet.directions import as_uniform, as_vectors
+from microfacet.geometry.ggx import GGX
 from microfacet.kernels import Batch
 from microfacet.material.fresnel import Fresnel, Mirror
 from microfacet.material.reflection import half_vector, i_vector, o_vector, reflected, weak_furnace
@@ -20,6 +22,7 @@ from microfacet.proofs import under_integral
 from microfacet.statement import Equation
 from microfacet.visibility import shadowing, unphysical, v_cavity
 from microfacet.visibility.masking import Masking, over_pairs
+from microfacet.visibility.smith import Smith
 
 G1_h = raw("G1_h", r"G_1(\omega_o, \omega_h)", positive=True)
 G2_h = raw("G2_h", r"G_2(\omega_o, \omega_i, \omega_h)", nonnegative=True)
@@ -187,6 +190,28 @@ def evaluation(normals: Callable[..., float], shadowing: Callable[..., float], f
 
 
 @cache
+def joined_evaluation(fresnel: Callable[..., float]) -> Batch:
+    """The same for Smith's model over GGX, correlated by height: the parts are one fraction."""
+
+    def evaluate(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
+        hx, hy, hz = ox + ix, oy + iy, oz + iz
+        square = hx * hx + hy * hy + hz * hz
+        if not (oz > 0.0 and iz > 0.0 and square > 0.0):
+            return 0.0
+        alpha_x, alpha_y = p[0][0]
+        return fresnel(min(0.5 * sqrt(square), 1.0), p[1]) * lobe(ox, oy, oz, ix, iy, iz, alpha_x, alpha_y)
+
+    return over_pairs(evaluate)
+
+
+def evaluation_of(model: Masking, fresnel: Fresnel) -> Batch:
+    """The loop that evaluates the BRDF: in one fraction where the model has it, else part by part."""
+    if isinstance(model, Smith) and type(model.ndf) is GGX and model.correlation == "height":
+        return joined_evaluation(type(fresnel).kernel)
+    return evaluation(type(model.ndf).kernel, model.G2_kernel, type(fresnel).kernel)
+
+
+@cache
 def visible_pdf(normals: Callable[..., float], masking: Callable[..., float]) -> Batch:
     """Density of mirror directions of sampled visible normals."""
 
@@ -308,11 +333,11 @@ class Microfacet:
             raise ValueError(f"fresnel must be None, Dielectric, Conductor or Schlick, got {fresnel!r}")
         self.model, self.fresnel = model, Mirror() if fresnel is None else fresnel
         self.parameters = (model.parameters, self.fresnel.parameters)
-        self._parts = (type(model.ndf).kernel, model.G2_kernel, type(self.fresnel).kernel)
+        self._evaluation = evaluation_of(model, self.fresnel)
 
     def evaluate(self, wo: Any, wi: Any, out: np.ndarray | None = None) -> Any:
         """The BRDF, 1/sr, shapes (..., 3) -> (...); 0 if either direction is below the horizon. heitz2014."""
-        return evaluation(*self._parts)([as_vectors("wo", wo), as_vectors("wi", wi)], self.parameters, out)
+        return self._evaluation([as_vectors("wo", wo), as_vectors("wi", wi)], self.parameters, out)
 
     def sample(self, wo: Any, u: Any) -> Any:
         """Light directions with density `pdf`, shapes (..., 3) and (..., 2) -> (..., 3), by visible normals where the model
