@@ -1,0 +1,302 @@
+"""Breaks every statement and every kernel in every way of mutants.py, one at a time, and asks which check goes red.
+
+`python tests/mutation/suite.py --out FILE.json` writes the tally, `KEY...` restricts it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import copy
+import itertools
+import json
+import math
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, replace
+from functools import cache
+from pathlib import Path
+from types import FunctionType
+from typing import Any
+
+import numpy as np
+import scene
+import sympy as sp
+from integrals import integral_differs, stands_for_integrals
+from microfacet import balls, checks, statement
+from microfacet.balls import NoBall
+from microfacet.material.fresnel import dielectric
+from microfacet.statement import Equation, equations
+from mutants import called, of_expression, of_kernel, rebound
+
+PARTS = ("means", "equals", "computed_as")
+ORIGINAL = {key: equations[key] for key in equations}
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One mutant and the check that went red, "equivalent" if it was proved to be none, or nothing."""
+
+    key: str
+    part: str
+    rule: str
+    killed_by: str
+
+
+@contextmanager
+def broken(key: str, **changes: Any) -> Iterator[Equation]:
+    """A statement with some of its parts changed, in its own place in the ledger."""
+    registry, abbreviations = statement._registry, statement._abbreviations
+    statement._registry = {k: e for k, e in registry.items() if k != key}
+    statement._abbreviations = dict(abbreviations)
+    at, balls.at = balls.at, one_at_a_time
+    try:
+        yield replace(ORIGINAL[key], **changes)
+    finally:
+        statement._registry, statement._abbreviations = registry, abbreviations
+        balls.at = at
+
+
+def one_at_a_time(residual: Callable[..., Any], points: Sequence[Mapping[str, Any]]) -> Iterator[balls.Enclosure]:
+    """balls.at for who may stop at the first ball that is off."""
+    for point in points:
+        with balls.precision(balls.ENCLOSING):
+            found = balls.Enclosure(balls.named(point), residual(**{k: balls.ball(v) for k, v in point.items()}))
+        yield found
+
+
+# --- checks, the cheapest first -------------------------------------------------------------------------------------------
+
+
+def forms(it: Equation) -> bool:
+    """The numeric mark: the forms of the statement are not the same number."""
+    return bool(it.over) and bool(checks.forms_disagree(it))
+
+
+def kernel(it: Equation) -> bool:
+    """The numeric mark: the kernel, which stayed, is not the new value; at as many arguments as it takes."""
+    if not it.over or it.computed_by is None:
+        return False
+    points = checks.sample(it, np.float64)
+    return any(_off(it.scalar, point, it.exact(*point), it.within[0]) for point in points[:40])
+
+
+def coarsely(it: Equation) -> bool:
+    """The enclosed mark, seen in coarse balls already: if they exclude 0, they do so rightly."""
+    if not callable(it.enclosed) or it.relation != "=":
+        return False
+    fine = balls.ENCLOSING, balls.EVALUATIONS
+    balls.ENCLOSING, balls.EVALUATIONS = 64, 1000
+    try:
+        return any(e.residual.is_finite() and not e.residual.contains(0) for e in itertools.islice(it.enclosed(it), 4))
+    finally:
+        balls.ENCLOSING, balls.EVALUATIONS = fine
+
+
+def quadrature(it: Equation) -> bool:
+    """test_ledger's: the closed form is the integral it stands for."""
+    return stands_for_integrals(ORIGINAL[it.key]) and bool(integral_differs(it, 1, 15))
+
+
+def in_scene(it: Equation) -> bool:
+    """test_scene's: every symbol a number, left and right are the same."""
+    return bool(scene.wrong(it))
+
+
+def enclosed(it: Equation) -> bool:
+    if not callable(it.enclosed):
+        return checks.enclosed(it).status == "fail"
+    return any(not e.supports(it.relation) for e in it.enclosed(it))
+
+
+def symbolic(it: Equation) -> bool:
+    """A claim that the statement itself makes cannot be proved; proofs that do not look at it say nothing of it.
+
+    Differences of integrals are left to quadrature: sympy may look for antiderivatives for hours.
+    """
+    proofs = {name: getattr(it, name) for name in ("proof", "rewrite_proof")}
+    blind = [name for name, proof in proofs.items() if proof is not None and not checks.looks(proof)]
+    claims = checks._claims(replace_quietly(it, dict.fromkeys(blind, list)))
+    return any(not checks.vanishes(claim) for _, claim in claims if not sp.sympify(claim).has(sp.Integral))
+
+
+def replace_quietly(it: Equation, changes: dict[str, Any]) -> Equation:
+    """The same statement with other parts, which the ledger does not get to know."""
+    changed = copy.copy(it)
+    for name, value in changes.items():
+        object.__setattr__(changed, name, value)
+    return changed
+
+
+CHECKS: dict[str, Callable[[Equation], bool]] = {
+    "numeric": lambda it: forms(it) or kernel(it),
+    "scene": in_scene,
+    "enclosed": coarsely,
+    "quadrature": quadrature,
+    "enclosed in full": enclosed,
+    "symbolic": symbolic,
+}
+REFUSALS = (ArithmeticError, ValueError, NoBall)  # a check that cannot be carried out is red as well
+
+
+def red(it: Equation) -> str:
+    """The name of a check that fails, or nothing."""
+    for name, fails in CHECKS.items():
+        try:
+            if fails(it):
+                return name
+        except REFUSALS:
+            return name
+    return ""
+
+
+# --- statements -----------------------------------------------------------------------------------------------------------
+
+
+def outcomes_of_statement(key: str) -> Iterator[Outcome]:
+    for part in PARTS:
+        form = getattr(ORIGINAL[key], part)
+        for mutant in of_expression(form) if form is not None else ():
+            with broken(key, **{part: mutant.made}) as it:
+                killer = red(it)
+            yield Outcome(key, part, mutant.rule, killer or equivalent(ORIGINAL[key], form, mutant.made))
+
+
+def equivalent(it: Equation, form: Any, made: Any) -> str:
+    """ "equivalent" if sympy proves that nothing has changed; of an integral from -c to c the odd part does not count."""
+    before, after = (_open(part, it.where).doit() for part in (form, made))
+    return "equivalent" if before == after or checks.vanishes(before - after) else ""
+
+
+def _open(form: Any, where: Mapping[Any, Any]) -> Any:
+    """Integrals as their integrands, times a symbol of their limits: forms that are linear in them are equal if these are."""
+    return sp.sympify(form).replace(lambda e: isinstance(e, sp.Integral), lambda e: _integrand(e, where))
+
+
+def _integrand(e: sp.Integral, where: Mapping[Any, Any]) -> Any:
+    """What counts of it: from -c to c the even part, over the whole plane the part that does not tell the axes apart."""
+    inside, limits = e.function.subs(where), e.limits
+    if len(limits) == 1 and limits[0][1] == -limits[0][2]:
+        inside = inside + inside.subs(limits[0][0], -limits[0][0])
+    if len(limits) == 2 and limits[0][1:] == limits[1][1:]:
+        inside = inside + inside.subs({limits[0][0]: limits[1][0], limits[1][0]: limits[0][0]}, simultaneous=True)
+    return inside * sp.Symbol(f"over {limits}", positive=True)
+
+
+# --- kernels --------------------------------------------------------------------------------------------------------------
+
+
+def computed() -> list[str]:
+    return [key for key, it in ORIGINAL.items() if it.over and sp.sympify(it.computed).free_symbols]
+
+
+@cache
+def users() -> dict[FunctionType, list[str]]:
+    """For each kernel the statements that it helps to compute."""
+    found: dict[FunctionType, list[str]] = {}
+    for key in computed():
+        for function in called(ORIGINAL[key].scalar):
+            found.setdefault(function, []).append(key)
+    return found
+
+
+def outcomes_of_kernel(function: FunctionType) -> Iterator[Outcome]:
+    keys = users()[function]
+    for mutant in of_kernel(function):
+        killer = any(wrong_kernel(key, rebound(ORIGINAL[key].scalar, function, mutant.made)) for key in keys)
+        red = "numeric" if killer else known_values(function, mutant.made) or _symmetric(keys, mutant.rule)
+        yield Outcome(keys[0], f"kernel {function.__name__}", mutant.rule, red)
+
+
+def known_values(function: FunctionType, made: FunctionType) -> str:
+    """test_fresnel's: beyond the angle of total reflection, which the stated domain leaves out, all light is reflected."""
+    return "known values" if function is dielectric and made(0.1, 0.5) != 1.0 else ""
+
+
+def _symmetric(keys: list[str], rule: str) -> str:
+    """A kernel generated from a form that sympy proves to be symmetric does not change if these arguments are swapped."""
+    first, _, second = rule.partition(" and ")
+    it = ORIGINAL[keys[0]]
+    pair = [s for s in it.arguments if str(s) in (first, second.removesuffix(" swapped"))]
+    if it.computed_by is not None or len(pair) != 2 or len(keys) != 1:
+        return ""
+    form, exchange = sp.sympify(it.computed), dict(zip(pair, pair[::-1], strict=True))
+    return "equivalent" if checks.vanishes(form - form.subs(exchange, simultaneous=True)) else ""
+
+
+def wrong_kernel(key: str, scalar: Callable[..., float]) -> bool:
+    """The numeric mark: some value is farther off than promised."""
+    it = ORIGINAL[key]
+    points = _points(key)
+    return any(_off(scalar, points[k], _exact(key, k), it.within[0]) for k in range(len(points)))
+
+
+def _off(scalar: Callable[..., float], point: np.ndarray, exact: Any, promise: float) -> bool:
+    if not checks.representable(exact, np.float64):
+        return False
+    return not checks.ulps(_run(scalar, point), exact, np.float64) <= promise
+
+
+def _run(scalar: Callable[..., float], point: np.ndarray) -> float:
+    """As a compiled loop would: what Python refuses is no number there."""
+    try:
+        value = scalar(*map(float, point))
+    except (ArithmeticError, ValueError, IndexError):
+        return math.nan
+    return value if isinstance(value, float) else math.nan
+
+
+@cache
+def _points(key: str) -> np.ndarray:
+    """The arguments of the numeric check at which Python does what a compiled loop does."""
+    it = ORIGINAL[key]
+    return np.array([p for p in checks.sample(it, np.float64) if math.isfinite(_run(it.scalar, p))])
+
+
+@cache
+def _exact(key: str, k: int) -> Any:
+    return ORIGINAL[key].exact(*_points(key)[k])
+
+
+# --- tally ----------------------------------------------------------------------------------------------------------------
+
+
+def tally(outcomes: list[Outcome]) -> dict[str, Any]:
+    """How many mutants there were, and how many each check killed. Proved equivalents are no mutants."""
+    real = [o for o in outcomes if o.killed_by != "equivalent"]
+    return {
+        "mutants": len(real),
+        "killed by": dict(Counter(o.killed_by for o in real if o.killed_by)),
+        "survived": [asdict(o) for o in real if not o.killed_by],
+        "equivalent": len(outcomes) - len(real),
+    }
+
+
+def main() -> None:
+    words = argparse.ArgumentParser(description=__doc__)
+    words.add_argument("keys", nargs="*", metavar="KEY", help="statements to break; none means all, and all kernels")
+    words.add_argument("--out", type=Path, metavar="FILE", help="write the tally here")
+    chosen = words.parse_args()
+    found: list[Outcome] = []
+    for key in chosen.keys or ORIGINAL:
+        found += _told(key, outcomes_of_statement(key))
+    for function in [] if chosen.keys else users():
+        found += _told(function.__name__, outcomes_of_kernel(function))
+    report = tally(found)
+    if chosen.out:
+        chosen.out.write_text(json.dumps(report, indent=1) + "\n")
+    for o in report["survived"]:
+        print(o["key"], "|", o["part"], "|", o["rule"])
+    print({**report, "survived": len(report["survived"])})
+
+
+def _told(name: str, outcomes: Iterator[Outcome]) -> list[Outcome]:
+    start = time.process_time()
+    found = list(outcomes)
+    print(f"{time.process_time() - start:6.1f} s  {name}: {dict(Counter(o.killed_by for o in found))}", flush=True)
+    return found
+
+
+if __name__ == "__main__":
+    main()
