@@ -58,6 +58,7 @@ def test_visible_normals_fill_the_view(compute: Compute) -> None:
     np.testing.assert_allclose((data["seen"] * np.diff(data["edges"])).sum(axis=-1), 1, rtol=1e-4)
 
 
+@pytest.mark.slow
 def test_forms_of_shadowing_end_where_they_must(compute: Compute) -> None:
     data = compute("validation/measured_shadowing")
     np.testing.assert_array_equal(data["lit"][:, 0, 0], 1)
@@ -68,6 +69,7 @@ def test_forms_of_shadowing_end_where_they_must(compute: Compute) -> None:
     np.testing.assert_allclose(data["v_cavity"][:, 0, 0], 1)
 
 
+@pytest.mark.slow
 def test_distances_and_albedos_are_of_one_measurement(compute: Compute) -> None:
     data, lobes = compute("validation/measured_distances"), compute("validation/measured_lobes")
     view = THETA_O.index(float(lobes["degrees"]))
