@@ -14,7 +14,7 @@ from microfacet.brdf.specular import ROUNDING
 from microfacet.directions import as_vectors, spherical
 from microfacet.geometry.slopes import P22_at_m, normals_from_slopes, normals_integral, solid_angle
 from microfacet.kernels import Batch
-from microfacet.notation import G1, G2, P22, chi, mu_i, mu_o, phi, raw, theta_i, theta_o, wm, x, y
+from microfacet.notation import G1, G2, P22, chi, mu_i, mu_o, phi, phi_i, raw, theta_i, theta_o, wm, x, y
 from microfacet.statement import Equation
 from microfacet.visibility.masking import Masking, over_pairs
 
@@ -47,6 +47,11 @@ def _furnace_steps(it: Equation) -> list[Any]:
     return [sp.Integer(0 if sp.factor(gone).is_nonnegative else 1), it.equals - lambert.equals]
 
 
+def _ring(rho: Any) -> sp.Expr:
+    """What comes from all azimuths at one angle to the facet's normal: rho times the cosine, per angle."""
+    return sp.integrate(rho * sp.cos(theta_i) * sp.sin(theta_i), (phi_i, 0, 2 * sp.pi))
+
+
 with sp.evaluate(False):
     rho = Equation(
         key="brdf.diffuse.rho",
@@ -77,6 +82,8 @@ with sp.evaluate(False):
         symbol=lit,
         means=sp.Integral(2 * sp.cos(theta_i) * sp.sin(theta_i), (theta_i, 0, sp.pi / 2)),
         equals=sp.Integer(1),
+        proof=lambda it: [_ring(1 / sp.pi) - it.means.function.doit(), it.means.doit() - it.equals],
+        proved_by="sympy: the BRDF of a matt facet is 1/pi in every direction; then the integral",
         slides=(20,),
         cite="oren1994",
     )

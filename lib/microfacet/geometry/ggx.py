@@ -167,9 +167,10 @@ area_at_one = Equation(
     means=sp.Integral(2 * q * sp.sqrt(1 + q**2) / (1 + q**2) ** 2, (q, 0, sp.oo)),
     equals=sp.Integer(2),
     enclosed=lambda it: balls.agreement(balls.folded(it.means, 1), it.equals, (), [()]),
-    proof=lambda: [
-        sp.diff(-2 / sp.sqrt(1 + q**2), q) - 2 * q * sp.sqrt(1 + q**2) / (1 + q**2) ** 2,
-        sp.limit(area.equals, alpha, 1, "-") - 2,
+    proof=lambda it: [
+        it.means.function - area.means.function.subs(alpha, 1),
+        sp.diff(-2 / sp.sqrt(1 + q**2), q) - it.means.function,
+        sp.limit(area.equals, alpha, 1, "-") - it.equals,
     ],
     proved_by="sympy: the antiderivative; and the limit of the form below 1",
     slides=(34,),
