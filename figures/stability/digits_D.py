@@ -8,25 +8,13 @@ cosine rounds to 1, and what it has lost is divided by $\alpha^2$. Hatched, numb
 
 import sys
 
-import numpy as np
+from maps import ANGLES, digit_map
 from microfacet import plotting
 
 SLIDES = (55, 67)
 COLUMNS = ("textbook_float64", "textbook_float32", "library_float64", "library_float32")
 TITLES = ("textbook, double", "textbook, single", "library, double", "library, single")
-ANGLES = ["$10^{-8}$", "$10^{-4}$", r"$\pi/4$", r"$\frac{\pi}{2} - 10^{-4}$", r"$\frac{\pi}{2} - 10^{-8}$"]
 PLACE = {"ggx": (-5.4, -5.2), "beckmann": (-0.2, -5.4)}  # of the name of the cause
-
-
-def panel(ax: plotting.Axes, data: dict, name: str) -> object:
-    """One map, with what has failed outlined; what the precision cannot hold is hatched."""
-    x, y, digits = np.log10(data["alpha"]), np.log10(data["tangent"]), data[name].T
-    ax.set_facecolor("0.93")
-    filled = ax.contourf(x, y, digits, np.arange(0, 16.1, 1))
-    ax.contourf(x, y, np.isnan(digits).astype(float), [0.5, 1.5], colors="none", hatches=["////"])
-    if np.nanmin(digits) < data["few"]:
-        ax.contour(x, y, digits, [data["few"]], colors=plotting.COLOURS["light"], linestyles="-", linewidths=1.2)
-    return filled
 
 
 def draw(data: dict) -> plotting.Figure:
@@ -34,7 +22,7 @@ def draw(data: dict) -> plotting.Figure:
     figure.subplots_adjust(left=0.14, right=0.9, bottom=0.13, top=0.92, wspace=0.1, hspace=0.12)
     for row, name in zip(axes, ("ggx", "beckmann"), strict=True):
         for ax, column, title in zip(row, COLUMNS, TITLES, strict=True):
-            filled = panel(ax, data, f"{name}_{column}")
+            filled = digit_map(ax, data, f"{name}_{column}")
             if name == "ggx":
                 ax.set_title(title)
             if column == "textbook_float32":

@@ -9,7 +9,7 @@ the precision.
 
 import sys
 
-import numpy as np
+from maps import ANGLES, digit_map
 from microfacet import plotting
 
 SLIDES = (58, 62, 63)
@@ -18,27 +18,15 @@ CAUSES = {
     "ggx_root": ("$\\sqrt{1+s}-1$\ncancels", "w", (-3.6, -5)),
     "beckmann_erf": ("$\\mathrm{erf}-1$ cancels", "k", (-2.2, 6.5)),
 }
-ANGLES = ["$10^{-8}$", "$10^{-4}$", r"$\pi/4$", r"$\frac{\pi}{2} - 10^{-4}$", r"$\frac{\pi}{2} - 10^{-8}$"]
 FORMS = {"ggx": {"root": "closed form", "library": "library"}}
 FORMS["beckmann"] = {"erf": "with erf", "erfc": "with erfc", "walter": "Walter's fit", "library": "library"}
-
-
-def panel(ax: plotting.Axes, data: dict, name: str) -> object:
-    """One map, with what has failed outlined; what the precision cannot hold is hatched."""
-    x, y, digits = np.log10(data["alpha"]), np.log10(data["tangent"]), data[name].T
-    ax.set_facecolor("0.93")
-    filled = ax.contourf(x, y, digits, np.arange(0, 16.1, 1))
-    ax.contourf(x, y, np.isnan(digits).astype(float), [0.5, 1.5], colors="none", hatches=["////"])
-    if np.nanmin(digits) < data["few"]:
-        ax.contour(x, y, digits, [data["few"]], colors=plotting.COLOURS["light"], linestyles="-", linewidths=1.2)
-    return filled
 
 
 def maps(axes: plotting.Array, data: dict) -> object:
     """Two rows of maps, in double precision and in single."""
     for row, real in zip(axes, ("float64", "float32"), strict=True):
         for ax, (name, title) in zip(row, MAPS.items(), strict=True):
-            filled = panel(ax, data, f"{name}_{real}")
+            filled = digit_map(ax, data, f"{name}_{real}")
             ax.set(xticks=[-8, -4, 0], xticklabels=[] if real == "float64" else ["$10^{-8}$", "$10^{-4}$", "1"])
             ax.set(yticks=[-8, -4, 0, 4, 8], yticklabels=ANGLES if ax is row[0] else [])
             if real == "float64":

@@ -4,7 +4,9 @@ They take arrays of either precision and stay in it. `ndf` has one roughness, al
 """
 
 import numpy as np
-from scipy.special import erf, erfc
+from microfacet.geometry.beckmann import Beckmann
+from microfacet.visibility.smith import Smith
+from scipy.special import erf, erfc, erfinv
 
 SQRT_PI = float(np.sqrt(np.pi))
 
@@ -60,3 +62,56 @@ def walter_G1(a):
 
 def walter_Lambda(ndf, wo):
     return 1 / walter_G1(1 / reach(ndf, wo)) - 1
+
+
+# --- samplers of visible normals, of views (n, 3) and uniform numbers (n, 2) ------------------------------------------
+
+
+def stretched(ndf, wo):
+    """The view of the stretched surface of unit roughness."""
+    v = wo * np.array([1, 1, 0], wo.dtype) * real_alpha(ndf, wo) + wo * np.array([0, 0, 1], wo.dtype)
+    return v / np.linalg.norm(v, axis=-1, keepdims=True)
+
+
+def ggx_cap(ndf, wo, u):
+    """Spherical caps as published: the height is measured from the equator, and what it has lost is added again."""
+    v, angle = stretched(ndf, wo), 2 * np.pi * u[..., 0]
+    z = (1 - u[..., 1]) * (1 + v[..., 2]) - v[..., 2]
+    sine = np.sqrt(np.clip(1 - z * z, 0, 1))
+    h = np.stack([sine * np.cos(angle), sine * np.sin(angle), z], axis=-1) + v
+    h[..., :2] *= real_alpha(ndf, wo)
+    return h / np.linalg.norm(h, axis=-1, keepdims=True)
+
+
+def beckmann_turned(ndf, wo, u):
+    """Sampled in the plane of the view, then turned by an azimuth that takes the sine from the cosine."""
+    v = stretched(ndf, wo)
+    sine = np.sqrt(1 - v[..., 2] ** 2)
+    c, s = v[..., 0] / sine, v[..., 1] / sine
+    upright = Smith(Beckmann(1.0)).sample_visible(np.stack([sine, 0 * sine, v[..., 2]], axis=-1), u)
+    along, across = -upright[..., 0] / upright[..., 2], -upright[..., 1] / upright[..., 2]
+    slopes = real_alpha(ndf, wo) * np.stack([c * along - s * across, s * along + c * across], axis=-1)
+    m = np.concatenate([-slopes, np.ones_like(slopes[..., :1])], axis=-1)
+    return m / np.linalg.norm(m, axis=-1, keepdims=True)
+
+
+def beckmann_newton(theta, u, steps):
+    """A slope along the view by so many of Newton's steps on the error function, from a fitted first guess; and its erf."""
+    cot, tan = 1 / np.tan(theta), np.tan(theta)
+    low, high = -np.ones_like(u), np.full_like(u, erf(cot))
+    norm = 1 / (1 + erf(cot) + tan * np.exp(-cot * cot) / SQRT_PI)
+    x = high - (1 + high) * (1 - u) ** (1 + theta * (-0.876 + theta * (0.4265 - 0.0594 * theta)))
+    for _ in range(steps):
+        x = np.where((x >= low) & (x <= high), x, (low + high) / 2)
+        slope = erfinv(x)
+        excess = norm * (1 + x + tan * np.exp(-slope * slope) / SQRT_PI) - u
+        low, high = np.where(excess > 0, low, x), np.where(excess > 0, x, high)
+        x = x - excess / (norm * (1 - slope * tan))
+    return erfinv(x)
+
+
+def ggx_across(u):
+    """A slope across the view by a rational fit of the inverse, as renderers have it; in units of sqrt(1 + q^2)."""
+    v = np.abs(2 * u - 1)
+    above = v * (v * (v * 0.27385 - 0.73369) + 0.46341)
+    return np.sign(u - 0.5) * above / (v * (v * (v * 0.093073 + 0.309420) - 1.0) + 0.597999)
