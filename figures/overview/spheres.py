@@ -1,4 +1,4 @@
-r"""Six numbers apart, one material is a mirror, a satin or a brushed metal.
+r"""By its roughness alone, one metal is a mirror, a satin, or brushed.
 
 Spheres of one metal under one sky with three round lights, shaded by the library: Smith's masking and shadowing
 over GGX (above) and Beckmann (below). From left to right the roughness $\alpha$ rises; at the right the metal is
