@@ -6,6 +6,7 @@ They take arrays of either precision and stay in it. `ndf` has one roughness, al
 import numpy as np
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.visibility.smith import Smith
+from scipy.integrate import cubature
 from scipy.special import erf, erfc, erfinv
 
 SQRT_PI = float(np.sqrt(np.pi))
@@ -115,3 +116,45 @@ def ggx_across(u):
     v = np.abs(2 * u - 1)
     above = v * (v * (v * 0.27385 - 0.73369) + 0.46341)
     return np.sign(u - 0.5) * above / (v * (v * (v * 0.093073 + 0.309420) - 1.0) + 0.597999)
+
+
+# --- integrals that should be 1: the projected area of a distribution of normals ----------------------------------------
+
+
+def over_angles(ndf, theta):
+    """The integrand over the polar angle; the azimuth is done."""
+    m = np.stack([np.sin(theta), 0 * theta, np.cos(theta)], axis=-1)
+    return 2 * np.pi * np.sin(theta) * np.cos(theta) * ndf.D(m)
+
+
+def midpoint(ndf, count=1024):
+    """So many rings of equal width, however narrow the lobe."""
+    theta = (np.arange(count) + 0.5) * np.pi / 2 / count
+    return over_angles(ndf, theta).sum() * np.pi / 2 / count
+
+
+def adaptive(ndf):
+    """A rule in two angles that looks closer where its first points differ; it reports that it has converged."""
+    ends = [0, 0], [np.pi / 2, 2 * np.pi]
+    found = cubature(lambda x: over_angles(ndf, x[:, 0]) / (2 * np.pi), *ends, rule="genz-malik", rtol=1e-4)
+    return float(found.estimate), float(found.error)
+
+
+def truncated(ndf, reach=10.0):
+    """Slopes up to a reach that seems far enough, by many Gauss-Legendre nodes after a map that finds the peak."""
+    x, w = np.polynomial.legendre.leggauss(200)
+    end = np.arcsinh(reach / ndf.alpha_x)
+    t = end * (x + 1) / 2
+    slope, stretch = ndf.alpha_x * np.sinh(t), ndf.alpha_x * np.cosh(t)
+    return float(np.sum(w * end / 2 * 2 * np.pi * slope * ndf.P22(slope, 0 * slope) * stretch))
+
+
+def to_a_bound(function, bound):
+    """An integral from minus infinity by SciPy's cubature, whose nodes of version 1.17.1 lie on the other side."""
+    found = cubature(lambda x: function(x[:, 0]), [-np.inf], [bound])
+    return float(found.estimate), str(found.status)
+
+
+def to_the_mirrored_bound(function, bound):
+    """The remedy: the same integral, turned round."""
+    return float(cubature(lambda x: function(-x[:, 0]), [-bound], [np.inf]).estimate)
