@@ -153,7 +153,10 @@ def _of_text(text: str) -> Iterator[tuple[str, str]]:
     names = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
     for first, second in TWINS:
         if {first, second} <= names:
-            yield f"{first} and {second} swapped", ast.unparse(_Swap(first, second).visit(copy.deepcopy(tree)))
+            yield (
+                f"{first} and {second} swapped",
+                ast.unparse(ast.fix_missing_locations(_Swap(first, second).visit(copy.deepcopy(tree)))),
+            )
     count = len(list(ast.walk(tree)))
     for k in range(count):
         for rule, change in _CHANGES:
@@ -165,13 +168,13 @@ def _of_text(text: str) -> Iterator[tuple[str, str]]:
 
 
 class _Swap(ast.NodeTransformer):
-    """Two names exchanged in the body of a function."""
+    """Two names exchanged wherever a function reads them."""
 
     def __init__(self, first: str, second: str) -> None:
         self.names = {first: second, second: first}
 
     def visit_Name(self, node: ast.Name) -> ast.AST:
-        return ast.copy_location(ast.Name(self.names.get(node.id, node.id), node.ctx), node)
+        return ast.Name(self.names.get(node.id, node.id), node.ctx) if isinstance(node.ctx, ast.Load) else node
 
 
 def _sign(node: ast.AST) -> bool:

@@ -6,8 +6,8 @@ One test each. `ours` are the modules of the tests that must notice.
 from __future__ import annotations
 
 import importlib.util
+import sys
 from collections.abc import Callable
-from functools import cache
 from math import erf, exp, sqrt
 from pathlib import Path
 from types import FunctionType, ModuleType
@@ -33,15 +33,16 @@ TESTS = Path(__file__).parent.parent
 PI, SQRT_PI = 3.141592653589793, 1.7724538509055161
 
 
-@cache
 def ours(path: str) -> ModuleType:
-    """A module of tests by its place under tests/."""
-    spec = importlib.util.spec_from_file_location(f"ours_{path.replace('/', '_')}", TESTS / f"{path}.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    """A module of tests by its place under tests/, under the name that pytest gives it: compiled functions are kept by it."""
+    name = f"tests.{path.replace('/', '.')}"
+    if name not in sys.modules:
+        spec = importlib.util.spec_from_file_location(name, TESTS / f"{path}.py")
+        assert spec is not None
+        assert spec.loader is not None
+        sys.modules[name] = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(sys.modules[name])
+    return sys.modules[name]
 
 
 def red(path: str, *arguments: Any, **named: Any) -> bool:
