@@ -4,6 +4,7 @@ They take arrays of either precision and stay in it. `ndf` has one roughness, al
 """
 
 import numpy as np
+from microfacet.directions import half_vector
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.visibility.smith import Smith
 from scipy.integrate import cubature
@@ -158,3 +159,33 @@ def to_a_bound(function, bound):
 def to_the_mirrored_bound(function, bound):
     """The remedy: the same integral, turned round."""
     return float(cubature(lambda x: function(-x[:, 0]), [-bound], [np.inf]).estimate)
+
+
+# --- both cosines 0, and rays -------------------------------------------------------------------------------------------
+
+
+def rho_squares_first(ndf, wo, wi):
+    """GGX in one fraction, with the fourth powers of the sum's lengths, which underflow where both directions graze."""
+    alpha, h = real_alpha(ndf, wo), wo + wi
+    square, stretched = np.sum(h * h), np.sum((h[:2] / alpha) ** 2) + h[2] ** 2
+    reach_o, reach_i = (np.hypot(alpha * np.hypot(w[0], w[1]), w[2]) for w in (wo, wi))
+    return square**2 / (2 * np.pi * alpha**2 * stretched**2 * (wo[2] * reach_i + wi[2] * reach_o))
+
+
+def rho_floored(ndf, wo, wi, floor=1e-3):
+    """The fraction as printed, its denominator kept from 0 by a floor."""
+    model, h = Smith(ndf), half_vector(wo, wi)
+    return model.ndf.D(h) * model.G2(wo, wi, h) / max(4 * wo[2] * wi[2], wo.dtype.type(floor))
+
+
+def distances(origins, directions, triangles):
+    """How far along each ray (rows) each triangle is met; infinite where it is not. The usual test, in the given precision."""
+    corner, first, second = triangles[:, 0], triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+    p = np.cross(directions[:, None], second)
+    scale = 1 / np.sum(first * p, axis=-1)
+    offset = origins[:, None] - corner
+    u = np.sum(offset * p, axis=-1) * scale
+    q = np.cross(offset, first[None])
+    v = np.sum(directions[:, None] * q, axis=-1) * scale
+    t = np.sum(second * q, axis=-1) * scale
+    return np.where((u >= 0) & (v >= 0) & (u + v <= 1), t, np.inf)

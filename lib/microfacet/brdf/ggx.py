@@ -1,5 +1,5 @@
 """The BRDF of GGX in Smith's model as one formula in the sum of both directions: neither the half vector's length nor a
-cosine is divided out, so that one division and two roots are left."""
+cosine is divided out, so that two divisions and two roots are left."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ def lobe(x_o: float, y_o: float, z_o: float, x_i: float, y_i: float, z_i: float,
     stretched = across * across + along * along + z * z
     reach_o = sqrt((alpha_x * x_o) * (alpha_x * x_o) + (alpha_y * y_o) * (alpha_y * y_o) + z_o * z_o)
     reach_i = sqrt((alpha_x * x_i) * (alpha_x * x_i) + (alpha_y * y_i) * (alpha_y * y_i) + z_i * z_i)
-    around = (2.0 * pi) * (alpha_x * alpha_y)
-    return (square * square) / (around * (stretched * stretched) * (z_o * reach_i + z_i * reach_o))
+    shrunk = square / stretched  # first: the squares of both underflow where both directions graze
+    return (shrunk * shrunk) / ((2.0 * pi) * (alpha_x * alpha_y) * (z_o * reach_i + z_i * reach_o))
 
 
 def _reach(direction: Any) -> sp.Expr:

@@ -65,8 +65,13 @@ def _digits(value: float, exact: mpmath.mpf, real: type) -> float:
     return float(min(max(-np.log10(error), 0.0), MOST[real])) if error else MOST[real]
 
 
-def exact_D(ndf: Distribution, m: Array) -> mpmath.mpf:
-    return mpmath.mpf(FAMILIES[type(ndf)].D.exact(*map(float, m), *ndf.parameters))
+def exact_D(ndf: Distribution, m: Any) -> mpmath.mpf:
+    """D at a normal of floats or of numbers with more digits."""
+    return mpmath.mpf(FAMILIES[type(ndf)].D.exact(*map(_wide, m), *ndf.parameters))
+
+
+def _wide(number: Any) -> Any:
+    return number if isinstance(number, mpmath.mpf) else float(number)
 
 
 def exact_Lambda(ndf: Distribution, wo: Array) -> mpmath.mpf:
