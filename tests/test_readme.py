@@ -37,3 +37,17 @@ def test_pictures_are_small() -> None:
     pictures = re.findall(r"!\[[^\]]+\]\(([^)]+)\)", TEXT)
     assert len(pictures) == 1
     assert all(0 < (ROOT / picture).stat().st_size < 200_000 for picture in pictures)
+
+
+@pytest.mark.slow
+def test_digits_to_trust_are_those_that_are_found() -> None:
+    """Rounded down; in the last place processors may differ."""
+    from microfacet.validation import trust
+
+    header = trust.table().splitlines()[:2]
+    rows = TEXT[TEXT.index("\n".join(header)) :].splitlines()[2:]
+    for row, (name, found) in zip(rows, trust.digits_to_trust().items(), strict=False):
+        printed = [cell.strip() for cell in row.strip("|").split("|")]
+        assert printed[0] == name
+        assert all(-0.1 < digits - int(cell) < 1.1 for digits, cell in zip(found, printed[1:], strict=True))
+    assert not rows[len(trust.PARTS)].startswith("|")

@@ -1,4 +1,4 @@
-"""Commands: `python -m microfacet check KEY... --out FILE` checks statements; `python -m microfacet list` names them."""
+"""Commands: `python -m microfacet check KEY... --out FILE` checks statements; `list` names them, `trust` counts digits."""
 
 from __future__ import annotations
 
@@ -25,6 +25,7 @@ def parser() -> argparse.ArgumentParser:
         "--kept", metavar="FOLDER", help="keep each record here too, and take it from here while the statement is the same"
     )
     commands.add_parser("list", help="list the statements by key")
+    commands.add_parser("trust", help="measure how many digits are right over the library's domain; takes some seconds")
     return main
 
 
@@ -32,6 +33,11 @@ def main(words: list[str] | None = None) -> int:
     from microfacet.statement import equations
 
     chosen = parser().parse_args(words)
+    if chosen.command == "trust":
+        from microfacet.validation.trust import table
+
+        print(table())
+        return 0
     if chosen.command == "list":
         print("\n".join(f"{key:40} {equations[key].title}" for key in equations))
         return 0

@@ -14,6 +14,7 @@ import mpmath
 import numpy as np
 from numpy.typing import NDArray
 
+from microfacet.brdf.specular import Microfacet
 from microfacet.geometry import beckmann, ggx
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
@@ -21,6 +22,7 @@ from microfacet.geometry.slopes import Distribution
 from microfacet.kernels import Batch
 from microfacet.statement import DIGITS
 from microfacet.visibility import smith
+from microfacet.visibility.smith import Smith
 
 Array = NDArray[Any]
 Maker = Callable[[float], Distribution]
@@ -117,3 +119,140 @@ def map_of(method: Callable[[Distribution, Array], Array], quantity: str, kind: 
 def library_map(quantity: str, kind: type, real: type) -> Array:
     """Digits of the library's own kernel."""
     return map_of(QUANTITIES[quantity][0], quantity, kind, real)
+
+
+# --- samplers: the uniform numbers of which a normal is made ------------------------------------------------------------
+
+
+def _unstretched(ndf: Distribution, w: Array, power: int) -> list[mpmath.mpf]:
+    """A direction (power 1) or a normal (-1) on the surface of unit roughness, of unit length, to 50 digits."""
+    scales = [mpmath.mpf(alpha) ** power for alpha in ndf.parameters] + [mpmath.mpf(1)]
+    moved = [scale * mpmath.mpf(float(c)) for scale, c in zip(scales, w, strict=True)]
+    length = mpmath.sqrt(sum(c * c for c in moved))
+    return [c / length for c in moved]
+
+
+def _ggx_numbers(v: list[mpmath.mpf], h: list[mpmath.mpf]) -> tuple[mpmath.mpf, mpmath.mpf]:
+    """Mirrored at the normal, the view falls on a spherical cap: the azimuth there, and the height."""
+    twice = 2 * sum(a * b for a, b in zip(v, h, strict=True))
+    x, y = (twice * b - a for a, b in zip(v[:2], h[:2], strict=True))
+    return mpmath.atan2(y, x) / (2 * mpmath.pi) % 1, 1 - twice * h[2] / (1 + v[2])
+
+
+def _beckmann_numbers(v: list[mpmath.mpf], h: list[mpmath.mpf]) -> tuple[mpmath.mpf, mpmath.mpf]:
+    """The share of what is seen that has a lower slope along the view, and that of lower slopes across it."""
+    sine = mpmath.hypot(v[0], v[1])
+    x, y = -h[0] / h[2], -h[1] / h[2]
+    along, across = (v[0] * x + v[1] * y) / sine, (v[0] * y - v[1] * x) / sine
+
+    def share(q: mpmath.mpf) -> mpmath.mpf:
+        return v[2] * mpmath.erfc(-q) / 2 + sine * mpmath.exp(-q * q) / (2 * mpmath.sqrt(mpmath.pi))
+
+    return share(along) / share(v[2] / sine), mpmath.erfc(-across) / 2
+
+
+def numbers_back(ndf: Distribution, wo: Array, u: Array, m: Array) -> float:
+    """Digits of the uniform numbers u that a visible normal gives back; of the second relative to its distance from 0 or 1."""
+    if not np.isfinite(m).all():
+        return 0.0
+    most = MOST[m.dtype.type]
+    with mpmath.workdps(DIGITS):
+        u1, u2 = (mpmath.mpf(float(one)) for one in u)
+        numbers = _ggx_numbers if type(ndf) is GGX else _beckmann_numbers
+        first, second = numbers(_unstretched(ndf, wo, 1), _unstretched(ndf, m, -1))
+        off = float(max(abs(first - u1), abs(second - u2) / min(u2, 1 - u2)))
+    return float(min(max(-np.log10(off), 0), most)) if off else most
+
+
+# --- the table of the README ------------------------------------------------------------------------------------------
+
+RATIOS = (1.0, 1e-4)  # of alpha_y to alpha_x
+FEWER = 4  # every fourth roughness and angle of the maps
+
+
+def half(wo: Array, wi: Array) -> list[mpmath.mpf]:
+    """The unit vector along wo + wi."""
+    total = [mpmath.mpf(float(a)) + mpmath.mpf(float(b)) for a, b in zip(wo, wi, strict=True)]
+    length = mpmath.sqrt(sum(c * c for c in total))
+    return [c / length for c in total]
+
+
+def exact_rho(ndf: Distribution, wo: Array, wi: Array) -> mpmath.mpf:
+    """The BRDF for F = 1, correlated by height."""
+    with mpmath.workdps(DIGITS):
+        joint = 1 / (1 + exact_Lambda(ndf, wo) + exact_Lambda(ndf, wi))
+        return exact_D(ndf, half(wo, wi)) * joint / (4 * mpmath.mpf(float(wo[2])) * mpmath.mpf(float(wi[2])))
+
+
+def exact_pdf(ndf: Distribution, wo: Array, wi: Array) -> mpmath.mpf:
+    """The density of light directions from visible normals."""
+    with mpmath.workdps(DIGITS):
+        return exact_D(ndf, half(wo, wi)) / (1 + exact_Lambda(ndf, wo)) / (4 * mpmath.mpf(float(wo[2])))
+
+
+def exact_G1(ndf: Distribution, wo: Array) -> mpmath.mpf:
+    with mpmath.workdps(DIGITS):
+        return 1 / (1 + exact_Lambda(ndf, wo))
+
+
+def _normals(ndf: Distribution, real: type) -> Array:
+    m = directions(real, TANGENT[::FEWER])
+    return digits(D(ndf, m), [exact_D(ndf, one) for one in m], real)
+
+
+def _masking(ndf: Distribution, real: type) -> Array:
+    """At facets that lie flat, which every view sees."""
+    views = directions(real, TANGENT[::FEWER])
+    up: Array = np.array([0, 0, 1], real)
+    return digits(Smith(ndf).G1(views, up), [exact_G1(ndf, wo) for wo in views], real)
+
+
+def _lobes(ndf: Distribution, real: type) -> Array:
+    """BRDF and density, for the mirrored view, for one at right angles to it, and for one that is higher."""
+    views, brdf = directions(real, TANGENT[::FEWER]), Microfacet(Smith(ndf))
+    turns = [views * np.array([-1, -1, 1], real), views[:, [1, 0, 2]] * np.array([-1, 1, 1], real), np.roll(views, 1, axis=0)]
+    found = []
+    for lights in turns:
+        pairs = list(zip(views, lights, strict=True))
+        found.append(digits(brdf.evaluate(views, lights), [exact_rho(ndf, *pair) for pair in pairs], real))
+        found.append(digits(brdf.pdf(views, lights), [exact_pdf(ndf, *pair) for pair in pairs], real))
+    return np.concatenate(found)
+
+
+def _drawn(ndf: Distribution, real: type) -> Array:
+    views = directions(real, TANGENT[::FEWER])
+    numbers: Array = np.array([(0.3, 0.01), (0.6, 0.5), (0.9, 0.99)], real)
+    normals = Smith(ndf).sample_visible(views[:, None], numbers)
+    return np.array(
+        [
+            [numbers_back(ndf, wo, *pair) for pair in zip(numbers, row, strict=True)]
+            for wo, row in zip(views, normals, strict=True)
+        ]
+    )
+
+
+PARTS: dict[str, Callable[[Distribution, type], Array]] = {
+    "`D`": _normals,
+    "`G1`": _masking,
+    "`evaluate`, `pdf`": _lobes,
+    "`sample_visible`": _drawn,
+}
+
+
+def fewest(part: Callable[[Distribution, type], Array], kind: Callable[..., Distribution], real: type) -> float:
+    """Fewest right digits over all roughnesses, ratios and angles."""
+    pairs = [(rounded(alpha, real), rounded(alpha * ratio, real)) for ratio in RATIOS for alpha in ALPHA[::FEWER]]
+    return float(min(np.nanmin(part(kind(*pair), real), initial=MOST[real]) for pair in pairs if min(pair) >= ALPHA[0]))
+
+
+def digits_to_trust() -> dict[str, list[float]]:
+    """Fewest right digits of each part: GGX in double and single precision, then Beckmann."""
+    return {name: [fewest(part, kind, real) for kind in FAMILIES for real in PRECISIONS] for name, part in PARTS.items()}
+
+
+def table() -> str:
+    """The digits that may be trusted, in Markdown: whole digits, rounded down, at the worst point of the domain."""
+    names = [f"{kind.__name__}, {precision}" for kind in FAMILIES for precision in ("double", "single")]
+    lines = [["right digits, at least", *names], [":--", *["--:"] * len(names)]]
+    lines += [[name, *(str(int(found)) for found in row)] for name, row in digits_to_trust().items()]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
