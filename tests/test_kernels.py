@@ -16,7 +16,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import mutually_broadcastable_shapes
-from microfacet.arithmetic import exp_minus_square, exp_minus_squares, two_product, two_sum
+from microfacet.arithmetic import exp_minus_square, exp_minus_squares, turn, two_product, two_sum
 from microfacet.kernels import CHUNK, Batch, ByPrecision, cache_directory, packed, source
 
 HALF = 0.5
@@ -282,3 +282,62 @@ def test_exponential_of_squares_next_to_the_horizon() -> None:
     """The factor overflows where the exponential is 0: the product is 0."""
     assert exp_minus_squares(1.0, 0.0, 0.5, 0.5, 1e-90, math.inf) == 0
     assert exp_minus_squares(0.0, 1.0, 10.0, 10.0, 1e-100, math.inf) == 0
+
+
+def exponent(x: float) -> float:
+    return exp(x)
+
+
+EXPONENT = Batch(packed(exponent, 1, 0), [1])
+TURN = Batch(packed(turn, 1, 0), [1], 2)
+
+
+@pytest.mark.parametrize(("real", "low", "high"), [(np.float64, -708.0, 709.0), (np.float32, -87.0, 88.0)])
+def test_the_exponential_of_loops_is_exact_to_an_ulp(real: type, low: float, high: float) -> None:
+    import mpmath
+
+    x = np.random.default_rng(0).uniform(low, high, 2000).astype(real)
+    exact = [mpmath.exp(mpmath.mpf(float(v))) for v in x]
+    errors = [abs(mpmath.mpf(float(v)) / e - 1) for v, e in zip(EXPONENT([x]), exact, strict=True)]
+    assert max(errors) <= 1.1 * np.finfo(real).eps
+
+
+@pytest.mark.parametrize("real", [np.float64, np.float32])
+def test_the_exponential_of_loops_at_its_ends(real: type) -> None:
+    tiny = math.log(float(np.finfo(real).smallest_subnormal))
+    x = np.array([0.0, -0.0, -math.inf, math.inf, math.nan, 2 * tiny, tiny + 1, -2 * tiny], real)
+    with np.errstate(over="ignore"):
+        np.testing.assert_array_equal(EXPONENT([x]), np.exp(x))
+
+
+@pytest.mark.parametrize("real", [np.float64, np.float32])
+def test_a_turn_is_exact_to_two_ulps(real: type) -> None:
+    import mpmath
+
+    u = np.concatenate([np.random.default_rng(0).random(2000), np.arange(9) / 8, [1e-30, 0.25 + 1e-7, 0.5 - 1e-7]]).astype(real)
+    for found, share in zip(TURN([u]), u, strict=True):
+        for value, exact in zip(
+            found, (mpmath.cospi(2 * mpmath.mpf(float(share))), mpmath.sinpi(2 * mpmath.mpf(float(share)))), strict=True
+        ):
+            assert abs(mpmath.mpf(float(value)) - exact) <= 2 * np.finfo(real).eps * abs(exact)
+
+
+def doubled(x: float) -> float:
+    total = 0.0
+    for k in range(3):
+        total += exponent(k * x)
+    return total
+
+
+def test_an_integer_in_a_single_precision_loop_spoils_nothing() -> None:
+    """An integer times a float32 is a float64 to the compiler."""
+    x = np.linspace(-30, 20, 101).astype(np.float32)
+    found = Batch(packed(doubled, 1, 0), [1])([x])
+    np.testing.assert_allclose(found, sum(np.exp(k * x.astype(float)) for k in range(3)), rtol=1e-5)
+
+
+def test_one_row_for_all_is_read_once_and_rows_of_one_turn_are_not_copied() -> None:
+    rows, s = arguments(50)
+    np.testing.assert_array_equal(MANY([rows[:1], s], (0.3,)), MANY([np.repeat(rows[:1], 50, 0), s], (0.3,)))
+    np.testing.assert_array_equal(MANY([rows, 0.4], (0.3,)), MANY([rows, np.full(50, 0.4)], (0.3,)))
+    assert "b0_2 = a0[2]" in MANY.text(np.float64, (True, False))

@@ -27,6 +27,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from importlib.machinery import ModuleSpec
+from math import exp, ldexp
 from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any, cast
@@ -68,6 +69,55 @@ class ByPrecision(float):
         made.single = single
         return made
 
+
+# --- an exponential that takes several turns at once ---------------------------------------------------------------
+
+SMALLEST, GREATEST = ByPrecision(-750.0, -110.0), ByPrecision(720.0, 92.0)  # exp is 0 below, infinite above
+ROUNDER = ByPrecision(6755399441055744.0, 12582912.0)  # 1.5 x 2^52, 1.5 x 2^23: adding it rounds to an integer
+PER_LN2 = 1.4426950408889634
+LN2_HIGH = ByPrecision(0.6931471803691238, 0.693359375)  # short enough for its product with an exponent to be exact
+LN2_LOW = ByPrecision(1.9082149292705877e-10, -0.00021219444005469057)
+
+
+def power_of_two(k: float) -> float:
+    """2^k for an integer k within the exponents of normal numbers."""
+    return ldexp(1.0, int(k))
+
+
+_BITS = "def unnamed(k):\n    return np.int{0}((np.int{0}(k) + np.int{0}({1})) << np.int{0}({2})).view(np.float{0})"
+power_of_two.__compiled__ = {np.float64: _BITS.format(64, 1023, 52), np.float32: _BITS.format(32, 127, 23)}  # type: ignore[attr-defined]
+
+
+def exponential(x: float) -> float:
+    """exp(x) to an ulp without a branch or a call: what `exp` becomes in a kernel without a loop of its own.
+
+    x = k ln 2 + r with |r| below 0.35, where Taylor's series to r^13/13! suffices; 2^k in two factors, for subnormal results.
+    """
+    x = SMALLEST if x < SMALLEST else x
+    x = GREATEST if x > GREATEST else x
+    k = (x * PER_LN2 + ROUNDER) - ROUNDER
+    r = (x - k * LN2_HIGH) - k * LN2_LOW
+    p = 1.0 / 6227020800.0
+    p = p * r + 1.0 / 479001600.0
+    p = p * r + 1.0 / 39916800.0
+    p = p * r + 1.0 / 3628800.0
+    p = p * r + 1.0 / 362880.0
+    p = p * r + 1.0 / 40320.0
+    p = p * r + 1.0 / 5040.0
+    p = p * r + 1.0 / 720.0
+    p = p * r + 1.0 / 120.0
+    p = p * r + 1.0 / 24.0
+    p = p * r + 1.0 / 6.0
+    p = p * r + 0.5
+    p = (p * r) * r + r
+    half = (0.5 * k + ROUNDER) - ROUNDER
+    return ((1.0 + p) * power_of_two(half)) * power_of_two(k - half)
+
+
+IN_LOOPS: dict[Any, Any] = {exp: exponential}  # what takes the place of a function of `math` in a straight kernel
+
+
+_REPLACING = tuple(f"{function.__name__}_" for function in IN_LOOPS.values())
 
 # --- from functions to one text -----------------------------------------------------------------------------------
 
@@ -114,6 +164,14 @@ class _Embed(ast.NodeTransformer):
     def visit_Constant(self, node: ast.Constant) -> ast.AST:
         return _real(node) if isinstance(node.value, float) else node
 
+    def visit_Call(self, node: ast.Call) -> ast.AST:
+        """Constants fit the loop's precision only: so must what comes into a function that replaces one of `math`."""
+        replaced = isinstance(node.func, ast.Name) and self.names.get(node.func.id, "").startswith(_REPLACING)
+        self.generic_visit(node)
+        if replaced:
+            node.args = [_real(argument) for argument in node.args]
+        return node
+
     def visit_Name(self, node: ast.Name) -> ast.AST:
         if node.id in self.names:
             return ast.copy_location(ast.Name(self.names[node.id], node.ctx), node)
@@ -157,8 +215,13 @@ class _Program:
     def add(self, function: FunctionType) -> str:
         if function in self.names:
             return self.names[function]
+        if hasattr(function, "__compiled__"):
+            return self._keep(function, function.__compiled__[self.real])
         names, constants = {}, {}
+        parsed = ast.parse(source(function))
+        replaced = {} if _loops(parsed) else IN_LOOPS
         for name, value in _bindings(function).items():
+            value = replaced.get(value, value) if callable(value) else value
             if isinstance(value, FunctionType):
                 names[name] = self.add(value)
             elif isinstance(value, tuple):
@@ -167,25 +230,42 @@ class _Program:
                 constants[name] = value
             elif not (value is getattr(math, name, None) or value is getattr(builtins, name, None)):
                 raise TypeError(f"kernel {function.__qualname__} uses {name}, which is no kernel and no constant")
-        tree = _Embed("unnamed", names, constants, self.real).visit(ast.parse(source(function)))
-        text = ast.unparse(ast.fix_missing_locations(tree))
+        tree = _Embed("unnamed", names, constants, self.real).visit(parsed)
+        return self._keep(function, ast.unparse(ast.fix_missing_locations(tree)))
+
+    def _keep(self, function: FunctionType, text: str) -> str:
         unique = f"{function.__name__}_{_digest(text)}"
         if unique not in self.names.values():
-            self.texts.append(f"@shared(R)\n{text.replace('def unnamed(', f'def {unique}(', 1)}")
+            self.texts.append(f"@shared(R, {_straight(text)})\n{text.replace('def unnamed(', f'def {unique}(', 1)}")
         self.names[function] = unique
         return unique
+
+
+def _straight(text: str) -> bool:
+    """Whether a function has no loop, or one with nothing in it but arithmetic, which the compiler can unroll."""
+    nodes = list(ast.walk(ast.parse(text)))
+    called = {node.func.id for node in nodes if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)}
+    return called <= {"R", "min", "max", "abs", "range"} or not _loops(ast.parse(text))
+
+
+def _loops(tree: ast.AST) -> bool:
+    return any(isinstance(node, ast.For | ast.While) for node in ast.walk(tree))
 
 
 _shared: dict[tuple[Any, str], Any] = {}
 
 
-def shared(real: Any) -> Callable[[FunctionType], Any]:
-    """Decorator of the functions in the text: the same one in two texts is compiled once in a process."""
+def shared(real: Any, straight: bool) -> Callable[[FunctionType], Any]:
+    """Decorator of the functions in the text: the same one in two texts is compiled once in a process.
+
+    straight: see `_straight`; it is put in the place of each call, or a loop could not take several turns at once.
+    """
 
     def known(function: FunctionType) -> Any:
         import numba
 
-        compiler: Any = cast(Any, numba.njit)(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+        options = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True, "forceinline": straight}
+        compiler: Any = cast(Any, numba.njit)(**options)
         return _shared.setdefault((real, function.__name__), compiler(function))
 
     return known

@@ -32,9 +32,10 @@ def compensated_P22(x: float, y: float, alpha_x: float, alpha_y: float) -> float
 
 
 def compensated_D(x: float, y: float, z: float, alpha_x: float, alpha_y: float) -> float:
-    if not z > 0.0:
-        return 0.0
-    return exp_minus_squares(x, y, alpha_x, alpha_y, z, 1.0 / (PI * alpha_x * alpha_y * ((z * z) * (z * z))))
+    height = z if z > 0.0 else 1.0
+    square = height * height
+    value = exp_minus_squares(x, y, alpha_x, alpha_y, height, 1.0 / (PI * alpha_x * alpha_y * (square * square)))
+    return value if z > 0.0 else 0.0
 
 
 with sp.evaluate(False):
@@ -251,6 +252,7 @@ class Beckmann(Distribution):
     sample_kernel = staticmethod(kernel_sample)
     sample_density = staticmethod(packed(compensated_P22, 2, 2))
     closed_Lambda = staticmethod(kernel_Lambda)
+    reach = 6.5
 
     def __init__(self, alpha_x: float, alpha_y: float | None = None) -> None:
         self.alpha_x = positive("alpha_x", alpha_x)

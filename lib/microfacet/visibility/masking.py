@@ -142,9 +142,8 @@ def seen_and_lit(view: Callable[..., float], kernel: Callable[..., float]) -> Ca
     def seen_and_lit(
         ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, mx: float, my: float, mz: float, p: Any
     ) -> float:
-        if not both_faces(ox, oy, oz, ix, iy, iz, mx, my, mz):
-            return 0.0
-        return kernel(view(ox, oy, oz, p), view(ix, iy, iz, p), ox, oy, oz, ix, iy, iz, mx, my, mz, p)
+        value = kernel(view(ox, oy, oz, p), view(ix, iy, iz, p), ox, oy, oz, ix, iy, iz, mx, my, mz, p)
+        return value if both_faces(ox, oy, oz, ix, iy, iz, mx, my, mz) else 0.0
 
     return seen_and_lit
 

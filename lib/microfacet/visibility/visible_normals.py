@@ -6,9 +6,10 @@ Beckmann's slopes, dupuy2023 for the spherical cap.
 
 from __future__ import annotations
 
-from math import cos, erfc, exp, pi, sin, sqrt
+from math import erfc, exp, sqrt
 from typing import Any
 
+from microfacet.arithmetic import turn
 from microfacet.kernels import ByPrecision
 
 SQRT_PI = 1.7724538509055161
@@ -21,8 +22,8 @@ STRAIGHT = ByPrecision(double=1e-150, single=1e-18)  # below this sine its squar
 def unstretched(x: float, y: float, z: float, alpha_x: float, alpha_y: float) -> tuple[float, float, float]:
     """The unit direction that a surface of unit roughness sees this direction as."""
     x, y = alpha_x * x, alpha_y * y
-    length = sqrt(x * x + y * y + z * z)
-    return x / length, y / length, z / length
+    scale = 1.0 / sqrt(x * x + y * y + z * z)
+    return scale * x, scale * y, scale * z
 
 
 def sample_ggx(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float]:
@@ -30,17 +31,16 @@ def sample_ggx(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) ->
 
     The height on the cap is kept as its distance from the lower rim, so that no difference of near numbers is taken.
     """
-    if not oz > 0.0:
-        return 0.0, 0.0, 0.0
     alpha_x, alpha_y = p[0]
-    vx, vy, vz = unstretched(ox, oy, oz, alpha_x, alpha_y)
+    vx, vy, vz = unstretched(ox, oy, oz if oz > 0.0 else 1.0, alpha_x, alpha_y)
     above = (1.0 - u2) * (1.0 + vz)
     below = (vx * vx + vy * vy) / (1.0 + vz)
     radius = sqrt((above + below) * (u2 * (1.0 + vz)))
-    hx = alpha_x * (radius * cos(2.0 * pi * u1) + vx)
-    hy = alpha_y * (radius * sin(2.0 * pi * u1) + vy)
-    length = sqrt(hx * hx + hy * hy + above * above)
-    return hx / length, hy / length, above / length
+    c, s = turn(u1)
+    hx = alpha_x * (radius * c + vx)
+    hy = alpha_y * (radius * s + vy)
+    scale = (1.0 if oz > 0.0 else 0.0) / sqrt(hx * hx + hy * hy + above * above)
+    return scale * hx, scale * hy, scale * above
 
 
 def gaussian_share(x: float, vs: float, vz: float) -> float:
