@@ -189,3 +189,29 @@ def distances(origins, directions, triangles):
     v = np.sum(directions[:, None] * q, axis=-1) * scale
     t = np.sum(second * q, axis=-1) * scale
     return np.where((u >= 0) & (v >= 0) & (u + v <= 1), t, np.inf)
+
+
+# --- slips that no rounding explains ------------------------------------------------------------------------------------
+
+
+def frame_plain(n):
+    """Two vectors at right angles to a normal (n, 3) and each other, by a quotient that is 0/0 at -z."""
+    x, y, z = n.T
+    a = 1 / (1 + z)
+    return np.stack([1 - a * x * x, -a * x * y, -x], axis=-1), np.stack([-a * x * y, 1 - a * y * y, -y], axis=-1)
+
+
+def frame_signed(n):
+    """The remedy: the sign of z decides which pole the quotient is kept away from."""
+    x, y, z = n.T
+    sign = np.copysign(1, z)
+    a = -1 / (sign + z)
+    first = np.stack([1 + sign * x * x * a, sign * x * y * a, -sign * x], axis=-1)
+    return first, np.stack([x * y * a, sign + y * y * a, -y], axis=-1)
+
+
+def skew(frame, n):
+    """How far a frame is from three unit vectors at right angles; 1 where it is none."""
+    axes = np.stack([*frame(n), n], axis=-2).astype(float)
+    found = np.abs(axes @ np.swapaxes(axes, -1, -2) - np.eye(3)).max(axis=(-2, -1))
+    return np.where(np.isfinite(found), np.minimum(found, 1), 1)

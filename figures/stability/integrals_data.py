@@ -10,6 +10,7 @@ from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
 from microfacet.validation.equations import residuals
 from microfacet.visibility.smith import Smith
+from scipy.special import erfc
 from scipy.stats import chi2, ncx2
 
 ALPHA = np.logspace(-4, 0, 25)
@@ -98,6 +99,8 @@ def compute() -> dict:
     reflected, status = to_a_bound(lambda x: np.exp(-((x - 1) ** 2)), 0.5)
     mirrored = to_the_mirrored_bound(lambda x: np.exp(-((x - 1) ** 2)), 0.5)
     kept = {"estimate": estimate, "error": error, "half": half, "half_error": half_error}
+    exact = np.sqrt(np.pi) / 2 * erfc(0.5)
+    kept |= {"reflected_error": abs(reflected - exact), "mirrored_error": abs(mirrored - exact)}
     kept |= {"reflected": reflected, "mirrored": mirrored, "status": status, "theta": THETA, "density_sum": density_sum()}
     return rounded({"alpha": ALPHA, **missed(), **kept, **tests()}, digits=5)
 

@@ -69,3 +69,37 @@ def test_rays_of_the_library_leave_their_facet() -> None:
     near, far = found["wrong"][0], found["wrong"][-1]
     assert far[np.argmax(near == 0)] > 0.3, "what is enough at the origin is not enough far from it"
     assert near[-1] > 0.05, "and an offset of many cells misses hits"
+
+
+def test_a_frame_by_a_plain_quotient_fails_at_the_lower_pole() -> None:
+    n = np.array([[1e-5, 0, -1], [0, 0, -1], [0.6, 0, 0.8]], np.float32)
+    with np.errstate(all="ignore"):
+        plain = faulty.skew(faulty.frame_plain, n)
+    assert (plain[:2] > 0.5).all()
+    assert plain[2] < 1e-6
+    assert (faulty.skew(faulty.frame_signed, n) < 1e-6).all()
+
+
+def test_one_roughness_for_two_and_two_for_one() -> None:
+    """G1 of another roughness than D's: the visible area is off by as much, as the validation finds."""
+    found = SCRIPT["slips"]()
+    assert found["twice"] > 0.1
+    assert found["mean"] > 0.3
+    for model in (mf.Smith(mf.GGX(0.3)), mf.Smith(mf.GGX(0.6, 0.1))):
+        assert mf.validate(model)["visible_area"].verdict == "holds"
+
+
+def test_light_sent_into_the_surface_counts_as_lost() -> None:
+    brdf, wo = mf.Microfacet(mf.Smith(mf.GGX(1.0))), np.array([0, 0, 1.0])
+    wi = brdf.sample(wo, np.random.default_rng(0).random((5000, 2)))
+    down = wi[:, 2] < 0
+    assert np.mean(down) == pytest.approx(0.5, abs=0.05)
+    np.testing.assert_array_equal(brdf.evaluate(wo, wi[down]), 0)
+    assert (brdf.pdf(wo, wi[down]) > 0).all(), "their density counts, or it would not sum to 1"
+
+
+def test_no_roughness_is_refused() -> None:
+    with np.errstate(all="ignore"):
+        assert np.isnan(faulty.ggx_D_cosine(type("Flat", (), {"alpha_x": 0.0}), np.array([[0.0, 0.0, 1.0]]))).all()
+    with pytest.raises(ValueError, match="alpha_x must be a finite number above 0"):
+        mf.GGX(0.0)
