@@ -253,7 +253,7 @@ def tanh_sinh(nodes: int, reach: float = 3.15) -> tuple[tuple[float, ...], tuple
 
 
 ROUNDING = 1e-13  # of a sum of some 10^4 terms
-FINE, COARSE = 72, 54  # nodes along a radius, and over each half turn
+FINE, COARSE = 96, 72  # nodes along a radius, and over each half turn
 NODES, WEIGHTS = (fine + coarse for fine, coarse in zip(tanh_sinh(FINE), tanh_sinh(COARSE), strict=True))
 
 
@@ -286,7 +286,7 @@ def albedo_rule(
                 square = dx * dx + dy * dy
                 root = sqrt(lean * lean + square)
                 rim = 1.0 / (lean + root) if lean >= 0.0 else (root - lean) / square
-                last = atan(rim)
+                last = atan(min(rim, p[3]))
                 ray = 0.0
                 for k in range(low, high):
                     radius = tan(last * NODES[k])
@@ -359,7 +359,7 @@ class Microfacet:
     def albedo_with_error(self, wo: Any) -> tuple[Any, Any]:
         """The albedo, and its error estimated from a coarser rule and from rounding."""
         kernels = (type(self.model.ndf).kernel, self.model.view_kernel, self.model.shadowed_kernel, type(self.fresnel).kernel)
-        both = albedo_batch(*kernels)([as_vectors("wo", wo)], (*self.parameters, self.model.ndf.scale))
+        both = albedo_batch(*kernels)([as_vectors("wo", wo)], (*self.parameters, self.model.ndf.scale, self.model.ndf.reach))
         return both[..., 0], abs(both[..., 0] - both[..., 1]) + ROUNDING
 
     def __repr__(self) -> str:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import zlib
 from collections.abc import Callable
 from functools import cache
-from math import cos, pi, sin, sqrt
+from math import cos, inf, pi, sin, sqrt
 from typing import Any, ClassVar
 
 import sympy as sp
@@ -111,6 +111,7 @@ class Distribution:
     """A distribution of normals D, 1/sr, over unit microfacet normals.
 
     parameters: what its kernels take as their last argument. scale: the two slope scales a quadrature should resolve.
+    reach: in units of these, the slope beyond which hardly any facet (1e-18 of the area) lies.
     radial: whether D depends on the polar angle only.
     """
 
@@ -120,6 +121,7 @@ class Distribution:
     closed_Lambda: ClassVar[Callable[..., float] | None] = None  # Lambda(x, y, z, parameters)
     parameters: Parameters
     scale: tuple[float, float]
+    reach: ClassVar[float] = inf
     radial: bool = False
 
     def D(self, wm: Any) -> Any:

@@ -75,6 +75,7 @@ class Ward(Distribution):
     kernel = staticmethod(packed(compensated_D, 3, 2))
     sample_kernel = staticmethod(kernel_sample)
     sample_density = staticmethod(packed(compensated_P22, 2, 2))
+    reach = 6.5
 
     def __init__(self, alpha_x: float, alpha_y: float | None = None) -> None:
         self.alpha_x = positive("alpha_x", alpha_x)

@@ -169,10 +169,10 @@ def residuals(model: Masking, wo: Any) -> dict[str, tuple[np.ndarray, np.ndarray
 def _integral_verdict(name: str, values: np.ndarray, bounds: np.ndarray, views: np.ndarray, tolerance: float) -> Verdict:
     worst = int(np.argmax(np.abs(values)))
     where = "" if name == "projected_area" else _degrees("o", views[worst])
-    return Verdict(name, _decide(values, bounds, tolerance), float(values[worst]), float(bounds.max()), where)
+    return Verdict(name, decide(values, bounds, tolerance), float(values[worst]), float(bounds.max()), where)
 
 
-def _decide(values: np.ndarray, bounds: np.ndarray, tolerance: float) -> str:
+def decide(values: np.ndarray, bounds: np.ndarray, tolerance: float) -> str:
     if np.any(np.abs(values) > tolerance + bounds):
         return "fails"
     return "holds" if np.all(np.abs(values) + bounds <= tolerance) else "undecided"
@@ -209,7 +209,7 @@ def _pair_verdicts(brdf: Microfacet, tolerance: float) -> list[Verdict]:
 
 def _pair_verdict(name: str, values: np.ndarray, wo: np.ndarray, wi: np.ndarray, tolerance: float) -> Verdict:
     worst = int(np.argmax(np.abs(values)))
-    verdict = _decide(values, np.full(len(values), ROUNDING), tolerance)
+    verdict = decide(values, np.full(len(values), ROUNDING), tolerance)
     return Verdict(name, verdict, float(values[worst]), ROUNDING, f"{_degrees('o', wo[worst])}, {_degrees('i', wi[worst])}")
 
 
