@@ -3,6 +3,7 @@
 # make test-slow  the tests that take longer
 # make lint       style, types, direction of imports
 # make record     put on record what every statement reached (a build compares with it and never writes it)
+# make bench      time the methods that chapter 7 compares, on a machine with nothing else to do; make bench NAME=brdf: only those
 #
 # Another interpreter: make report PYTHON=python3.12
 
@@ -14,7 +15,7 @@ READY := .venv/ready
 unexport PYTHONDONTWRITEBYTECODE PYTHONHOME PYTHONPATH VIRTUAL_ENV
 export UV_PYTHON_DOWNLOADS := never
 
-.PHONY: report test test-slow lint record lock clean
+.PHONY: report test test-slow lint record bench lock clean
 .DELETE_ON_ERROR:
 
 report: $(READY)
@@ -36,6 +37,9 @@ lint: $(READY)
 record: $(READY)
 	@$(BIN)/snakemake $(SNAKEMAKE_OPTIONS) build/ledger.json
 	@$(BIN)/python workflow/ledger.py renew build/ledger.json records/ledger.json
+
+bench: $(READY)
+	@PYTHONPATH=lib $(BIN)/python figures/speed/bench.py $(NAME)
 
 # The environment: an interpreter that is new enough, uv by its hash, then everything else by its.
 $(READY): requirements.lock pyproject.toml

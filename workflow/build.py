@@ -6,6 +6,7 @@ import fcntl
 import hashlib
 import json
 import os
+import re
 import shlex
 import sys
 from collections.abc import Iterable
@@ -76,7 +77,14 @@ def figure(name: str) -> inventory.Figure:
 
 @cache
 def imports(script: Path) -> list[str]:
-    return closure.of_script(script)
+    """What a script imports, and the records that any of it names and that there are."""
+    texts = closure.of_script(script)
+    named = {
+        record
+        for text in map(str, [script, *texts])
+        for record in re.findall(r"records/\w+\.json", Path(text).read_text("utf-8"))
+    }
+    return texts + sorted(record for record in named if Path(record).exists())
 
 
 def targets() -> dict[str, list[str]]:

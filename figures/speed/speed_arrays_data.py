@@ -1,0 +1,59 @@
+"""Computes what the figure `speed_arrays` shows: errors of the ways to have a value; their times are on record."""
+
+import sys
+
+import numpy as np
+from microfacet.datafile import rounded, store
+from record import front, read, rows, seconds, told
+from rivals import QUANTITIES
+
+SHOWN = ("masking", "brdf", "sampling", "fresnel")
+
+
+def panel(quantity: str) -> dict:
+    """Error, and nanoseconds per value in the largest arrays: quartiles and median."""
+    methods = QUANTITIES[quantity]
+    errors = [max(method.error(method.sizes[-1]), 2**-64) for method in methods.values()]
+    times = [1e9 * np.array(seconds(quantity, name, m)[-1]) / m.sizes[-1] for name, m in methods.items()]
+    alike = [name.partition("_")[0] == "beckmann" for name in methods]  # another quantity than its neighbours
+    best = np.array([False] * len(errors))
+    for kind in (True, False):
+        chosen = [k for k, other in enumerate(alike) if other == kind]
+        best[chosen] = front([errors[k] for k in chosen], [times[k][1] for k in chosen])
+    return {
+        f"{quantity}_names": np.array(list(methods)),
+        f"{quantity}_words": np.array([method.words for method in methods.values()]),
+        f"{quantity}_errors": np.array(errors),
+        f"{quantity}_times": np.array(times),
+        f"{quantity}_best": best,
+        f"{quantity}_told": told(quantity),
+    }
+
+
+def call_cost() -> dict:
+    """The BRDF over sizes of arrays: seconds a call, and the exponent with which they grow from the largest but two."""
+    methods = QUANTITIES["brdf"]
+    sizes = np.array(next(iter(methods.values())).sizes)
+    times = np.array([[t[1] for t in seconds("brdf", name, m)] for name, m in methods.items()])
+    kept = rows("brdf")
+    yardsticks = {name: row for name, row in kept.items() if name not in methods}
+    other = [[dict(zip(row["sizes"], row["seconds"], strict=True)).get(int(n), [np.nan] * 3)[1] for n in sizes]
+             for row in yardsticks.values()]  # fmt: skip
+    exponent = [np.polyfit(np.log(sizes[-3:]), np.log(t[-3:]), 1)[0] if np.isfinite(t).all() else np.nan for t in times]
+    return {
+        "growth_sizes": sizes,
+        "growth_times": times,
+        "growth_exponents": np.array(exponent),
+        "yardstick_words": np.array([row["words"] for row in yardsticks.values()] or [""]),
+        "yardstick_times": np.array(other or [[np.nan] * len(sizes)]),
+        "optional": np.array([f"{n}: {said}" for n, said in read().get("brdf", {}).get("rivals", {}).items()] or [""]),
+    }
+
+
+def compute() -> dict:
+    data = {name: values for quantity in SHOWN for name, values in panel(quantity).items()}
+    return rounded(data | call_cost(), digits=3)
+
+
+if __name__ == "__main__":
+    store(sys.argv[1], **compute())
