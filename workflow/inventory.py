@@ -235,7 +235,8 @@ def read_chapter(path: Path) -> Chapter:
     trees = [(part, parsed(part)) for part in [*cells_of(text), *inline]]
     good = [(part, tree) for part, tree in trees if tree is not None]
     calls: dict[str, list[str]] = {}
-    for _, tree in good:
+    for part, tree in good:
+        refuse_computed_names(path, part, tree)
         collect_calls(tree, calls)
     return Chapter(path, "\n".join(part for part, _ in good), calls)
 
@@ -246,6 +247,14 @@ def parsed(source: str) -> ast.Module | None:
         return ast.parse(source)
     except SyntaxError:
         return None
+
+
+def refuse_computed_names(path: Path, code: str, tree: ast.Module) -> None:
+    """The build knows what a chapter needs only if it is written there."""
+    for call in ast.walk(tree):
+        helper = call.func.id if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) else ""
+        if helper in ("data", "equation", "figure") and not isinstance(call.args[0] if call.args else None, ast.Constant):
+            stop(f"{path}: {helper}(...) takes a name in quotes, or the build cannot know what is needed: {code.strip()}")
 
 
 def collect_calls(tree: ast.Module, calls: dict[str, list[str]]) -> None:

@@ -108,3 +108,11 @@ def test_loose_ends_are_sentences() -> None:
         "chapters/1_a.md: There is no label called 'eq:missing'.",
         "chapters/1_a.md: There is no work in chapters/references.bib called 'nobody'.",
     ]
+
+
+def test_a_computed_name_is_refused(tmp_path: Path) -> None:
+    """What the build cannot see, it cannot make first."""
+    chapter = tmp_path / "1_some.md"
+    chapter.write_text('# Some\n\n```{code-cell}\nfigure(f"mask{ending}")\n```\n')
+    with pytest.raises(SystemExit, match=r"figure\(\.\.\.\) takes a name in quotes"):
+        inventory.read_chapter(chapter)
