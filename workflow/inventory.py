@@ -251,8 +251,8 @@ def parsed(source: str) -> ast.Module | None:
 
 def refuse_computed_names(path: Path, code: str, tree: ast.Module) -> None:
     """The build knows what a chapter needs only if it is written there."""
-    for call in ast.walk(tree):
-        helper = call.func.id if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) else ""
+    for call in (node for node in ast.walk(tree) if isinstance(node, ast.Call)):
+        helper = call.func.id if isinstance(call.func, ast.Name) else ""
         if helper in ("data", "equation", "figure") and not isinstance(call.args[0] if call.args else None, ast.Constant):
             stop(f"{path}: {helper}(...) takes a name in quotes, or the build cannot know what is needed: {code.strip()}")
 
