@@ -20,7 +20,9 @@ def panel(quantity: str) -> dict:
     for kind in (True, False):
         chosen = [k for k, other in enumerate(alike) if other == kind]
         best[chosen] = front([errors[k] for k in chosen], [times[k][1] for k in chosen])
-    return {
+    alone = {f"{quantity}_{name}_{part}": value for name, e, t in zip(methods, errors, times, strict=True)
+             for part, value in (("error", e), ("ns", t[1]))}  # fmt: skip
+    return alone | {
         f"{quantity}_names": np.array(list(methods)),
         f"{quantity}_words": np.array([method.words for method in methods.values()]),
         f"{quantity}_errors": np.array(errors),
@@ -40,14 +42,22 @@ def call_cost() -> dict:
     other = [[dict(zip(row["sizes"], row["seconds"], strict=True)).get(int(n), [np.nan] * 3)[1] for n in sizes]
              for row in yardsticks.values()]  # fmt: skip
     exponent = [np.polyfit(np.log(sizes[-3:]), np.log(t[-3:]), 1)[0] if np.isfinite(t).all() else np.nan for t in times]
-    return {
-        "growth_sizes": sizes,
-        "growth_times": times,
-        "growth_exponents": np.array(exponent),
-        "yardstick_words": np.array([row["words"] for row in yardsticks.values()] or [""]),
-        "yardstick_times": np.array(other or [[np.nan] * len(sizes)]),
-        "optional": np.array([f"{n}: {said}" for n, said in read().get("brdf", {}).get("rivals", {}).items()] or [""]),
-    }
+    alone = {f"growth_{name}_{part}": value for name, t, e in zip(methods, times, exponent, strict=True)
+             for part, value in (("call_us", 1e6 * t[0]), ("exponent", e))}  # fmt: skip
+    yard = {f"yardstick_{name}_ns": 1e9 * t[-1] / sizes[-1] for name, t in zip(yardsticks, other, strict=True)}
+    return (
+        {"yardstick_cpp_ns": np.nan, "yardstick_cpp_no_errno_ns": np.nan}
+        | alone
+        | yard
+        | {
+            "growth_sizes": sizes,
+            "growth_times": times,
+            "growth_exponents": np.array(exponent),
+            "yardstick_words": np.array([row["words"] for row in yardsticks.values()] or [""]),
+            "yardstick_times": np.array(other or [[np.nan] * len(sizes)]),
+            "optional": np.array([f"{n}: {said}" for n, said in read().get("brdf", {}).get("rivals", {}).items()] or [""]),
+        }
+    )
 
 
 def compute() -> dict:
