@@ -48,21 +48,23 @@ def curves(ax: plotting.Axes, data: dict, kind: str) -> None:
             ax.semilogx(data[f"{kind}_a"], data[f"{kind}_{form}_{real}_curve"], f"C{k}", linewidth=width, label=named)
     ax.axhline(data["few"], color="0.6", linestyle="-", linewidth=0.5)
     ax.set(ylim=(-0.3, 16.5), yticks=[0, 3, 7, 15], xlabel="$a$")
+    ax.set_xticks([1e-2, 1, 1e4, 1e8] if kind == "ggx" else [0.1, 1, 10])
+    ax.set_xlim(data[f"{kind}_a"][0], data[f"{kind}_a"][-1])
     ax.set_title({"ggx": "GGX", "beckmann": "Beckmann"}[kind])
     place = {"ggx": (0.62, 0.52), "beckmann": (0.0, 0.4)}[kind]
     ax.legend(loc="lower left", bbox_to_anchor=place, handlelength=1.9, fontsize=6.5, labelspacing=0.12)
 
 
 def draw(data: dict) -> plotting.Figure:
-    figure, axes = plotting.canvas(__file__, height=4.9, nrows=3, ncols=4)
-    figure.subplots_adjust(left=0.14, right=0.9, bottom=0.085, top=0.95, wspace=0.1, hspace=0.14)
+    figure, axes = plotting.canvas(__file__, height=5.1, nrows=3, ncols=4)
+    figure.subplots_adjust(left=0.14, right=0.9, bottom=0.06, top=0.95, wspace=0.1, hspace=0.14)
     filled = maps(axes[:2], data)
     for ax in axes[2]:
         ax.remove()
-    for kind, place in (("ggx", (0.14, 0.085, 0.34, 0.2)), ("beckmann", (0.55, 0.085, 0.35, 0.2))):
+    for kind, place in (("ggx", (0.14, 0.08, 0.33, 0.183)), ("beckmann", (0.56, 0.08, 0.34, 0.183))):
         curves(figure.add_axes(place), data, kind)
     figure.axes[-2].set_ylabel("right digits")
-    bar = figure.colorbar(filled, cax=figure.add_axes((0.92, 0.39, 0.018, 0.56)))
+    bar = figure.colorbar(filled, cax=figure.add_axes((0.92, 0.4, 0.018, 0.55)))
     bar.set_ticks([0, 3, 7, 15])
     return figure
 

@@ -25,12 +25,12 @@ def draw(data: dict) -> plotting.Figure:
     grazing.set_title("right digits")
     for name, label in {"cosine": "cosine", "components": "components"}.items():
         longer.loglog(data["alpha"], data[name], label=label)
-    longer.set(xlabel=r"$\alpha$", ylim=(1e-7, 1e2), xticks=[1e-4, 1e-2, 1])
+    longer.set(xlabel=r"$\alpha$", ylim=(1e-7, 1e2), yticks=[1e-6, 1e-3, 1], xticks=[1e-4, 1e-2, 1])
     longer.set_title("error of $D$")
     for wrong, shift in zip(data["rays_wrong"], data["shifts"], strict=True):
         rays.semilogx(data["offsets"], 100 * wrong, label=f"offset, {shift:,.0f} away")
     rays.axhline(100 * data["rays_library"], color="C3", linestyle=":", label="library")
-    rays.set(xlabel="offset", xticks=[1e-8, 1e-4, 1], ylim=(-1, None))
+    rays.set(xlabel="offset", xticks=[1e-8, 1e-4, 1], xlim=(4e-9, 2e1), ylim=(-1, None))
     rays.set_title("wrong rays (%)")
     for ax in (grazing, longer, rays):
         ax.legend(loc="upper center", bbox_to_anchor=(0.45, -0.27), fontsize=7, labelspacing=0.2)

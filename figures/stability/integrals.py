@@ -37,7 +37,7 @@ def draw(data: dict) -> plotting.Figure:
     for k, (name, label) in enumerate(TESTS.items()):
         test.semilogx(data["samples"], data[f"power_{name}"], f"C{k}", label=label)
         test.plot(data["samples"][::5], data[f"made_{name}"], f"C{k}o", markersize=3)
-    test.set(xlabel="samples", ylim=(-0.03, 1.03), xticks=[1e4, 1e6, 1e8])
+    test.set(xlabel="samples", ylim=(-0.03, 1.03), xlim=(7e3, 1.4e8), yticks=[0, 0.5, 1], xticks=[1e4, 1e6, 1e8])
     test.set_title("rejected")
     rules.legend(loc="upper left", bbox_to_anchor=(-0.22, -0.3), ncols=2, fontsize=7, columnspacing=1)
     test.legend(loc="upper right", bbox_to_anchor=(1.05, -0.3), fontsize=7)

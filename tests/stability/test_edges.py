@@ -82,7 +82,8 @@ def test_a_frame_by_a_plain_quotient_fails_at_the_lower_pole() -> None:
 
 def test_one_roughness_for_two_and_two_for_one() -> None:
     """G1 of another roughness than D's: the visible area is off by as much, as the validation finds."""
-    found = SCRIPT["slips"]()
+    with np.errstate(all="ignore"):
+        found = SCRIPT["slips"]()
     assert found["twice"] > 0.1
     assert found["mean"] > 0.3
     for model in (mf.Smith(mf.GGX(0.3)), mf.Smith(mf.GGX(0.6, 0.1))):

@@ -242,7 +242,7 @@ PARTS: dict[str, Callable[[Distribution, type], Array]] = {
 def fewest(part: Callable[[Distribution, type], Array], kind: Callable[..., Distribution], real: type) -> float:
     """Fewest right digits over all roughnesses, ratios and angles."""
     pairs = [(rounded(alpha, real), rounded(alpha * ratio, real)) for ratio in RATIOS for alpha in ALPHA[::FEWER]]
-    return float(min(np.nanmin(part(kind(*pair), real), initial=MOST[real]) for pair in pairs if min(pair) >= ALPHA[0]))
+    return float(min(np.nanmin(part(kind(*pair), real), initial=MOST[real]) for pair in pairs if min(pair) > 0.99 * ALPHA[0]))
 
 
 def digits_to_trust() -> dict[str, list[float]]:
