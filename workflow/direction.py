@@ -1,7 +1,7 @@
 """Imports run one way: geometry -> visibility -> material -> brdf -> validation -> surface, never back.
 
 A module may import its own stage and those before it; the modules at the top of the package serve
-all stages, so at import time they reach into none; plotting is for figures only.
+all stages, so at import time they reach into none; plotting and motion are for figures only.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from pathlib import Path
 import closure
 
 STAGES = ("geometry", "visibility", "material", "brdf", "validation", "surface")
-FIGURES_ONLY = "plotting"
+FIGURES_ONLY = ("plotting", "motion")
 
 
 def stage(module: str) -> str:
@@ -50,8 +50,8 @@ def faults() -> Iterator[str]:
 
 
 def allowed(home: str, target: str) -> bool:
-    if target == FIGURES_ONLY:
-        return home == FIGURES_ONLY
+    if target in FIGURES_ONLY:
+        return home in FIGURES_ONLY
     if target not in STAGES:
         return True
     return home in STAGES and STAGES.index(target) <= STAGES.index(home)
