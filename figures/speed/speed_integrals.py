@@ -34,6 +34,7 @@ def draw(data: dict) -> plotting.Figure:
         ax.plot(times[best], errors[best], marker, color=colour, linestyle="", markersize=size)
     if not any(np.isfinite(data[f"{name}_times"]).any() for name in data["names"]):
         plotting.label(ax, (0.5, 0.5), "no times on record", transform=ax.transAxes)
+        ax.set_xlim(1e-5, 1)
     ax.axhline(data["asked"], color=plotting.COLOURS["grey"], linewidth=0.6, linestyle=":")
     ax.set(xscale="log", yscale="log", ylim=(3e-17, 3), xlabel="time (seconds)", ylabel="relative error")
     ax.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))

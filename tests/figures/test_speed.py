@@ -1,0 +1,81 @@
+"""The benchmarks: every method does what it says, a record is renewed by name, and code that changed is called stale."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+FOLDER = Path(__file__).parents[2] / "figures" / "speed"
+sys.path.insert(0, str(FOLDER))
+import bench  # noqa: E402
+import record  # noqa: E402
+import rivals  # noqa: E402
+
+EXACT = {"masking": 1e-6, "brdf": 2e-6, "sampling": 5e-6, "fresnel": 2e-6}
+FITS = {"walter": 4e-3, "schlick": 0.3, "schlick_single": 0.3}
+
+
+@pytest.mark.parametrize("quantity", EXACT)
+def test_methods_of_a_quantity_compute_the_same(quantity: str) -> None:
+    for name, method in rivals.QUANTITIES[quantity].items():
+        assert method.error(100) < FITS.get(name, EXACT[quantity] if "single" in name else 1e-13), name
+
+
+def test_rules_converge() -> None:
+    for name, last in {"midpoint": 1e-4, "gauss_angles": 1e-8, "gauss_slopes": 1e-13, "tanh_sinh": 1e-13}.items():
+        method = rivals.AREAS[name]
+        assert method.error(method.sizes[-1]) < last
+    assert rivals.AREAS["library"].error(0) < 1e-12
+    assert rivals.AREAS["cubature"].error(12) < 1e-12
+
+
+def run(monkeypatch: pytest.MonkeyPatch, path: Path, *asked: str) -> dict[str, Any]:
+    monkeypatch.setattr(sys, "argv", ["bench.py", *asked, "--rounds", "2", "--largest", "50", "--record", str(path)])
+    bench.main()
+    return dict(json.loads(path.read_text("utf-8")))
+
+
+def test_a_benchmark_is_renewed_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "records" / "benchmarks.json"
+    first = run(monkeypatch, path, "fresnel", "masking")
+    assert set(first) == {"fresnel", "masking"}
+    assert set(first["fresnel"]["rows"]) == set(rivals.FRESNELS)
+    low, middle, high = first["fresnel"]["rows"]["plain"]["seconds"][0]
+    assert 0 < low <= middle <= high
+    second = run(monkeypatch, path, "fresnel")
+    assert second["masking"] == first["masking"]
+    assert second["fresnel"]["rows"]["plain"]["seconds"] != first["fresnel"]["rows"]["plain"]["seconds"]
+
+
+def test_an_unknown_benchmark_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(SystemExit, match="No benchmark frensel; there are masking, brdf"):
+        run(monkeypatch, tmp_path / "none.json", "frensel")
+
+
+def test_code_that_changed_is_stale(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "benchmarks.json"
+    run(monkeypatch, path, "fresnel")
+    monkeypatch.setattr(record, "RECORD", path)
+    assert record.stale("fresnel") == []
+    assert "Stale" not in record.told("fresnel")
+    assert "No times are on record" in record.told("brdf")
+    changed = dataclasses.replace(rivals.FRESNELS["plain"], code=(rivals.fresnel_exact,))
+    monkeypatch.setitem(rivals.FRESNELS, "plain", changed)
+    assert record.stale("fresnel") == [changed.words]
+    assert f"**Stale**: the code has changed since for {changed.words}" in record.told("fresnel")
+
+
+def test_the_front_has_what_nothing_beats() -> None:
+    nan = float("nan")
+    assert record.front([1, 2, 3, 1, 0], [3, 2, 2, 4, nan]) == [True, True, False, False, False]
+
+
+def test_times_of_unmeasured_methods_are_unknown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(record, "RECORD", tmp_path / "none.json")
+    assert np.isnan(record.seconds("fresnel", "plain", rivals.FRESNELS["plain"])).all()
