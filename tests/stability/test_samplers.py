@@ -7,6 +7,7 @@ import microfacet as mf
 import numpy as np
 import pytest
 from microfacet.directions import spherical
+from microfacet.validation import trust
 from samples import LAST, LAST_SINGLE, UP, uniform
 
 EDGES = {np.float64: (0.0, 1e-300, 1e-12, 0.5, LAST), np.float32: (0.0, 1e-38, 1e-7, 0.5, LAST_SINGLE)}
@@ -61,3 +62,16 @@ def test_newtons_steps_have_a_floor() -> None:
     assert errors[0] > 1e-4
     assert errors[1] > 1e-9
     assert errors[4] < 1e-12
+
+
+@pytest.mark.parametrize("kind", [mf.GGX, mf.Beckmann])
+@pytest.mark.parametrize("real", [np.float64, np.float32])
+def test_normals_give_their_numbers_back(kind: type, real: type) -> None:
+    """From 1e-8 beside the pole to 1e-8 above the horizon: a wrong azimuth shows as well as a wrong height."""
+    views, numbers = trust.directions(real, trust.TANGENT[::4]), np.array([(0.3, 0.01), (0.9, 0.99)], real)
+    for alpha in ((1e-8, 1e-8), (1e-4, 1.0), (0.1, 0.1), (1e3, 0.1)):
+        ndf = kind(*(trust.rounded(one, real) for one in alpha))
+        normals = mf.Smith(ndf).sample_visible(views[:, None], numbers)
+        for wo, row in zip(views, normals, strict=True):
+            back = [trust.numbers_back(ndf, wo, u, m) for u, m in zip(numbers, row, strict=True)]
+            assert min(back) > trust.MOST[real] - 2.5, (alpha, wo)
