@@ -7,11 +7,10 @@ from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
+import build
 import inventory
 import pytest
 from slides import AWAITED, MOVING, SLIDES
-
-import build
 
 ROOT = Path(__file__).resolve().parents[2]
 DRAWN = {n for entry in SLIDES if entry.drawn for n in range(entry.first, entry.last + 1)}
