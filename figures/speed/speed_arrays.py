@@ -8,6 +8,7 @@ with this report; times are read from the record that the text names.
 
 import sys
 
+import matplotlib.ticker as ticker
 import numpy as np
 from microfacet import plotting
 
@@ -31,13 +32,24 @@ def panel(ax: plotting.Axes, data: dict, quantity: str, title: str) -> None:
         face = colour if best else "white"
         ax.plot(middle, error, MARKERS[k], color=colour, markerfacecolor=face, markersize=4.5, linestyle="", label=str(words))
     ax.set(xscale="log", yscale="log", ylim=(1e-17, 10), yticks=[1e-16, 1e-12, 1e-8, 1e-4, 1])
+    ax.xaxis.set_major_locator(ticker.LogLocator(subs=(1, 2, 5)))
+    ax.xaxis.set_major_formatter(ticker.FormatStrFormatter("%g"))
+    ax.xaxis.set_minor_formatter(ticker.NullFormatter())
     ax.set_title(title)
     if np.isfinite(data[f"{quantity}_times"]).any():
         low, high = np.nanmin(data[f"{quantity}_times"]), np.nanmax(data[f"{quantity}_times"])
         ax.set_xlim(low / 2.5, high * 2.5)
     else:
         plotting.label(ax, (0.5, 0.5), "no times on record", transform=ax.transAxes)
-    ax.legend(fontsize=6.5, loc="center left", bbox_to_anchor=(0.0, 0.305), borderpad=0.2, labelspacing=0.25, handletextpad=0.2)
+    ax.legend(
+        fontsize=6.5,
+        loc="center left",
+        bbox_to_anchor=(0.0, 0.305),
+        borderpad=0.2,
+        labelspacing=0.25,
+        handletextpad=0.2,
+        frameon=True,
+    )
 
 
 def draw(data: dict) -> plotting.Figure:

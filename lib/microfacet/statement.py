@@ -87,7 +87,7 @@ class Equation:
         left, *right = [latex(e) for e in (self.symbol, self.means, self.equals) if e is not None]
         signs = ["="] * (len(right) - 1) + [self.relation]
         width = sum(map(_printed_width, [left, *right]))
-        if width - _printed_width(right[-1]) * (len(right) - 1) > 90:  # too wide for what stands beside the left side
+        if width - _printed_width(right[-1]) * (len(right) - 1) > 82:  # too wide for what stands beside the left side
             below = "".join(rf" \\ &\quad {s} {r}" for s, r in zip(signs, right, strict=True))
             return rf"\begin{{aligned}} &{left}{below} \end{{aligned}}"
         if len(right) == 1 or width < 62:
