@@ -22,7 +22,7 @@ report: $(READY)
 	@$(BIN)/snakemake $(SNAKEMAKE_OPTIONS)
 
 test: $(READY)
-	@$(BIN)/pytest -n auto --dist loadfile
+	@$(BIN)/pytest -n auto --dist loadfile --no-loadscope-reorder
 
 test-slow: $(READY)
 	@$(BIN)/pytest -n auto --dist worksteal -m slow

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.slow  # the data of all models' figures are computed here
+
 Compute = Callable[[str], dict[str, Any]]
 
 

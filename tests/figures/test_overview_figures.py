@@ -11,7 +11,7 @@ import microfacet as mf
 import numpy as np
 import pytest
 
-pytestmark = pytest.mark.xdist_group("figures")  # one process: nothing is computed twice
+pytestmark = pytest.mark.slow  # the spheres are shaded here
 
 Compute = Callable[[str], dict[str, Any]]
 FIGURES = Path(__file__).parents[2] / "figures"

@@ -11,6 +11,8 @@ from microfacet.validation import tables
 from microfacet.visibility.smith import Smith
 from microfacet.visibility.v_cavity import VCavity
 
+pytestmark = pytest.mark.slow  # both tables are computed here
+
 
 @pytest.fixture(scope="module")
 def distributions() -> tables.Table:
