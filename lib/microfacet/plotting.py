@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import combinations
 from pathlib import Path
 from typing import Any
@@ -164,12 +164,24 @@ def hemisphere(ax: Axes, theta: Array, phi: Array, values: Array, top: float, le
 def overlaps(figure: Figure) -> list[str]:
     """What a reader would trip over: texts that touch one another or leave the figure, one sentence each."""
     figure.canvas.draw()
-    texts = [t for t in figure.findobj(Text) if t.get_visible() and t.get_text().strip()]
+    hidden = set(_labels_not_drawn(figure))
+    texts = [t for t in figure.findobj(Text) if t.get_visible() and t.get_text().strip() and t not in hidden]
     boxes = {f"{k}: {t.get_text()!r}": t.get_window_extent() for k, t in enumerate(texts)}
     boxes = {name: box for name, box in boxes.items() if box.width > 0}
     page = figure.bbox.padded(1)
     outside = [f"{name} leaves the figure" for name, b in boxes.items() if not _holds(page, b)]
     return outside + [f"{one} touches {two}" for one, two in combinations(boxes, 2) if boxes[one].overlaps(boxes[two])]
+
+
+def _labels_not_drawn(figure: Figure) -> Iterator[Text]:
+    """Labels of ticks that lie beyond the ends of their axis, or whose axes are switched off."""
+    for ax in figure.axes:
+        for axis in (ax.xaxis, ax.yaxis):
+            low, high = sorted(axis.get_view_interval())
+            slack = 1e-9 * (high - low)
+            for tick in [*axis.get_major_ticks(), *axis.get_minor_ticks()]:
+                if not (ax.axison and low - slack <= tick.get_loc() <= high + slack):
+                    yield from (tick.label1, tick.label2)
 
 
 def _holds(page: Bbox, box: Bbox) -> bool:
