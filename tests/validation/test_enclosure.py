@@ -148,6 +148,7 @@ def test_quantifiers_are_read_off_the_closed_forms(monkeypatch):
             enclosure.quantifiers()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["Implicit", "Schlick-Smith"])
 def test_beyond_what_is_proved_there_is_an_exception(name):
     """Above the largest alpha, the closed form has a second zero: the bound is not a matter of caution."""

@@ -70,6 +70,7 @@ def test_residuals_by_a_rule_on_the_sphere(model: Masking) -> None:
         assert value == pytest.approx(there, abs=5e-4 if isinstance(model, mf.VCavity) else 1e-8)
 
 
+@pytest.mark.slow
 def test_without_opposite_facets_cavities_fail_and_smith_holds() -> None:
     """The distribution itself is right: its facets project to the whole surface."""
     tilted = np.vstack([views(30, 60, 85, azimuth=0), views(60, azimuth=120), views(60, azimuth=180)])

@@ -41,6 +41,7 @@ def test_the_printed_ratio_is_that_of_the_statements() -> None:
     assert checks.vanishes(sp.simplify(stated.doit() - walter.ratio()))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("key", "value"), [("walter_error", sp.Rational(31, 10000)), ("walter_above", sp.Rational(10002, 10000))]
 )

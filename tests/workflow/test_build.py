@@ -12,6 +12,8 @@ import time
 import pytest
 from checkout import Checkout
 
+pytestmark = pytest.mark.slow  # each starts whole builds
+
 PDF, HTML = "build/report.pdf", "build/report.html"
 PAGES = {f"report {PDF}", f"report {HTML}"}
 STATEMENTS = "lib/microfacet/statement.py"

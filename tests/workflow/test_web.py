@@ -13,6 +13,8 @@ import report
 import web
 from checkout import Checkout
 
+pytestmark = pytest.mark.slow  # a page is built, and read in a browser
+
 HTML = "build/report.html"
 REAL = Path(__file__).resolve().parents[2] / HTML
 
