@@ -2,7 +2,7 @@
 
     python figures/speed/bench.py                  all quantities
     python figures/speed/bench.py sampling         only that one
-    python figures/speed/bench.py --rounds 3 --largest 1000 --record /tmp/try.json     quickly, elsewhere
+    python figures/speed/bench.py --rounds 3 --largest 1000 --record try.json     quickly, into another file
 
 In a round each method runs once, so that whatever else the machine does meets all of them alike. A machine with other work
 to do gives worthless times: the load is recorded with them.
