@@ -51,6 +51,7 @@ class Page:
         self.session = self.ask("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Log", "Network"):
             self.ask(f"{domain}.enable")
+        self.ask("Page.setLifecycleEventsEnabled", enabled=True)
 
     def close(self) -> None:
         """End the browser that this page started, and no other."""
@@ -97,9 +98,9 @@ class Page:
         self.ask("Emulation.setEmulatedMedia", features=features)
 
     def open(self, path: Path) -> None:
-        """Show a file and wait until it has been loaded."""
-        self.ask("Page.navigate", url=path.resolve().as_uri())
-        self.wait(lambda one: one.get("method") == "Page.loadEventFired")
+        """Show a file and wait until it has been loaded: it, and not the page before, whose event may come late."""
+        opened = self.ask("Page.navigate", url=path.resolve().as_uri())["loaderId"]
+        self.wait(lambda one: one.get("method") == "Page.lifecycleEvent" and _loaded(one["params"], opened))
 
     def run(self, script: str) -> Any:
         """The value of a JavaScript expression; promises are waited for."""
@@ -130,6 +131,10 @@ class Page:
         """Addresses that the page asked for, but for those inside the page itself."""
         asked = [e["params"]["request"]["url"] for e in self.events if e["method"] == "Network.requestWillBeSent"]
         return [url for url in asked if not url.startswith("data:")]
+
+
+def _loaded(what: Message, loader: str) -> bool:
+    return bool(what["name"] == "load" and what["loaderId"] == loader)
 
 
 def _pipe() -> tuple[int, int]:
