@@ -231,7 +231,7 @@ def of_source(source: str, folder: Path | None = None) -> set[Path]:
     imports = imports_of(ast.parse(source))
     files, queue, seen = set(siblings(imports, folder)), list(imports.found), set[str]()
     for path in list(files):
-        files |= of_source(path.read_text("utf-8"), None)
+        files |= of_source(path.read_text("utf-8"), folder)
     while queue:
         module = queue.pop()
         if module == "*":

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from rivals import QUANTITIES, Method
+import numpy as np
+from method import Method
 
 RECORD = Path("records/benchmarks.json")
 
@@ -20,14 +22,15 @@ def rows(quantity: str) -> dict[str, dict[str, Any]]:
     return dict(read().get(quantity, {}).get("rows", {}))
 
 
-def stale(quantity: str) -> list[str]:
+def stale(quantity: str, methods: Mapping[str, Method]) -> list[str]:
     """The methods whose code has changed since they were timed, in words."""
     kept = rows(quantity)
-    return [m.words for name, m in QUANTITIES[quantity].items() if name in kept and kept[name]["fingerprint"] != m.fingerprint]
+    return [m.words for name, m in methods.items() if name in kept and kept[name]["fingerprint"] != m.fingerprint]
 
 
-def unmeasured(quantity: str) -> list[str]:
-    return [m.words for name, m in QUANTITIES[quantity].items() if name not in rows(quantity)]
+def unmeasured(quantity: str, methods: Mapping[str, Method]) -> list[str]:
+    """The methods that have no time on record, in words."""
+    return [m.words for name, m in methods.items() if name not in rows(quantity)]
 
 
 def seconds(quantity: str, name: str, method: Method) -> list[list[float]]:
@@ -37,19 +40,30 @@ def seconds(quantity: str, name: str, method: Method) -> list[list[float]]:
     return [known.get(size, [float("nan")] * 3) for size in method.sizes]
 
 
-def told(quantity: str) -> str:
-    """One sentence on where the times come from, for a caption or a paragraph."""
+def told(quantity: str, methods: Mapping[str, Method]) -> str:
+    """Where the times come from and which of them no longer hold, for a caption or a paragraph."""
     if quantity not in read():
-        return "No times are on record: `make bench` measures them."
+        return f"No times are on record: `make bench NAME={quantity}` measures them."
     kept = read()[quantity]
     at = kept["machine"]
     where = f"{at['processor']}, {at['threads']} threads, load {at['load']:.1f} when it began"
     told = f"Times: record of commit {kept['commit']}, {where}, {kept['rounds']} rounds."
-    old = stale(quantity) + unmeasured(quantity)
+    if missing := unmeasured(quantity, methods):
+        told += f" Not measured yet: {', '.join(missing)} (`make bench NAME={quantity}`)."
+    old = stale(quantity, methods)
     return told + (f" **Stale**: the code has changed since for {', '.join(old)}." if old else "")
 
 
-def front(errors: list[float], times: list[float]) -> list[bool]:
+def front(errors: Sequence[float], times: Sequence[float]) -> list[bool]:
     """Which of the points no other beats in both error and time."""
     points = list(zip(errors, times, strict=True))
     return [bool(t == t) and not any(f <= e and s <= t and (f, s) != (e, t) for f, s in points if s == s) for e, t in points]
+
+
+def fronts(kinds: Sequence[str], errors: Sequence[float], times: Sequence[float]) -> np.ndarray:
+    """The same, each point among those of its kind only."""
+    best = np.zeros(len(kinds), bool)
+    for kind in set(kinds):
+        chosen = [k for k, other in enumerate(kinds) if other == kind]
+        best[chosen] = front([errors[k] for k in chosen], [times[k] for k in chosen])
+    return best

@@ -4,22 +4,21 @@ import sys
 
 import numpy as np
 from microfacet.datafile import rounded, store
-from record import front, read, rows, seconds, told
-from rivals import QUANTITIES
+from record import fronts, read, rows, seconds, told
+from rivals_brdf import METHODS as BRDF
+from rivals_fresnel import METHODS as FRESNEL
+from rivals_masking import METHODS as MASKING
+from rivals_sampling import METHODS as SAMPLING
 
-SHOWN = ("masking", "brdf", "sampling", "fresnel")
+SHOWN = {"masking": MASKING, "brdf": BRDF, "sampling": SAMPLING, "fresnel": FRESNEL}
 
 
 def panel(quantity: str) -> dict:
     """Error, and nanoseconds per value in the largest arrays: quartiles and median."""
-    methods = QUANTITIES[quantity]
+    methods = SHOWN[quantity]
     errors = [max(method.error(method.sizes[-1]), 2**-64) for method in methods.values()]
     times = [1e9 * np.array(seconds(quantity, name, m)[-1]) / m.sizes[-1] for name, m in methods.items()]
-    alike = [name.partition("_")[0] == "beckmann" for name in methods]  # another quantity than its neighbours
-    best = np.array([False] * len(errors))
-    for kind in (True, False):
-        chosen = [k for k, other in enumerate(alike) if other == kind]
-        best[chosen] = front([errors[k] for k in chosen], [times[k][1] for k in chosen])
+    best = fronts([method.kind for method in methods.values()], errors, [t[1] for t in times])
     alone = {f"{quantity}_{name}_{part}": value for name, e, t in zip(methods, errors, times, strict=True)
              for part, value in (("error", e), ("ns", t[1]))}  # fmt: skip
     return alone | {
@@ -28,13 +27,13 @@ def panel(quantity: str) -> dict:
         f"{quantity}_errors": np.array(errors),
         f"{quantity}_times": np.array(times),
         f"{quantity}_best": best,
-        f"{quantity}_told": told(quantity),
+        f"{quantity}_told": told(quantity, methods),
     }
 
 
 def call_cost() -> dict:
     """The BRDF over sizes of arrays: seconds a call, and the exponent with which they grow from the largest but two."""
-    methods = QUANTITIES["brdf"]
+    methods = BRDF
     sizes = np.array(next(iter(methods.values())).sizes)
     times = np.array([[t[1] for t in seconds("brdf", name, m)] for name, m in methods.items()])
     kept = rows("brdf")

@@ -18,8 +18,12 @@ pytestmark = pytest.mark.slow  # the data of all figures are computed here
 
 ROOT = Path(__file__).parents[2]
 ENVIRONMENT = os.environ | {"PYTHONPATH": str(ROOT / "lib")}
-HELPERS = {"faulty", "maps", "bench", "record", "rivals"}  # modules beside the scripts
-SCRIPTS = sorted(p for p in (ROOT / "figures").glob("*/*.py") if not p.stem.endswith("_data") and p.stem not in HELPERS)
+HELPERS = {"faulty", "maps", "bench", "guest", "method", "record", "rivals", "yardsticks"}  # modules beside the scripts
+SCRIPTS = sorted(
+    p
+    for p in (ROOT / "figures").glob("*/*.py")
+    if not p.stem.endswith("_data") and p.stem not in HELPERS and not p.stem.startswith("rivals_")
+)
 DRAWN = [p for p in SCRIPTS if "\ndef draw(" in p.read_text()]
 
 

@@ -68,6 +68,16 @@ def test_a_helper_beside_a_script_counts(small: Checkout) -> None:
     ]
 
 
+def test_a_helper_of_a_helper_beside_a_script_counts(small: Checkout) -> None:
+    small.path("figures/visibility/inner.py").write_text("from microfacet.geometry import ggx\n")
+    small.path("figures/visibility/outer.py").write_text("import inner\n")
+    small.path("figures/visibility/drawing.py").write_text("import outer\n")
+    assert closure.of_script(Path("figures/visibility/drawing.py"))[:2] == [
+        "figures/visibility/inner.py",
+        "figures/visibility/outer.py",
+    ]
+
+
 def test_imports_run_one_way(library: Path) -> None:
     assert list(direction.faults()) == []
     (library / "geometry/slopes.py").write_text("from microfacet.visibility import smith\n")

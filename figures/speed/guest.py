@@ -1,0 +1,72 @@
+"""A guest's process: evaluates a BRDF of GGX over arrays in a folder, once for each line that it is told.
+
+    python figures/speed/guest.py jax|mitsuba FOLDER ALPHA_X ALPHA_Y
+
+It reads wo.npy and wi.npy, answers "done" to each line, and keeps what it found the first time as found.npy.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+
+def jax(wo: Any, wi: Any, ax: float, ay: float) -> Callable[[], Any]:
+    """The fraction as a user of jax would write it, in the precision of the arrays."""
+    import jax
+    import jax.numpy as jnp
+
+    jax.config.update("jax_enable_x64", True)
+    ax, ay = wo.dtype.type(ax), wo.dtype.type(ay)
+
+    @jax.jit
+    def brdf(wo: Any, wi: Any) -> Any:
+        half = wo + wi
+        s = jnp.sum(half * half, -1)
+        t = (half[:, 0] / ax) ** 2 + (half[:, 1] / ay) ** 2 + half[:, 2] ** 2
+        ro, ri = (jnp.sqrt((ax * w[:, 0]) ** 2 + (ay * w[:, 1]) ** 2 + w[:, 2] ** 2) for w in (wo, wi))
+        value = s * s / (wo.dtype.type(2 * np.pi) * ax * ay * t * t * (wo[:, 2] * ri + wi[:, 2] * ro))
+        return jnp.where((wo[:, 2] > 0) & (wi[:, 2] > 0), value, 0)
+
+    there = [jax.device_put(w) for w in (wo, wi)]
+    return lambda: np.asarray(brdf(*there))
+
+
+def mitsuba(wo: Any, wi: Any, ax: float, ay: float) -> Callable[[], Any]:
+    """Its rough conductor that reflects everything; the cosine that it multiplies by is divided out when it is looked at."""
+    import drjit as dr
+    import mitsuba as mi
+
+    mi.set_variant("llvm_mono")
+    bsdf = mi.load_dict({"type": "roughconductor", "material": "none", "distribution": "ggx", "alpha_u": ax, "alpha_v": ay})
+    view, light = (mi.Vector3f(np.ascontiguousarray(w.T)) for w in (wo, wi))
+    context = mi.BSDFContext()
+    dr.eval(view, light)
+
+    def evaluate() -> Any:
+        found = dr.zeros(mi.SurfaceInteraction3f, len(wo))
+        found.wi = view
+        value = bsdf.eval(context, found, light)[0]
+        dr.eval(value)
+        dr.sync_thread()
+        return lambda: np.array(value) / wi[:, 2]
+
+    return evaluate
+
+
+def main(package: str, folder: Path, ax: float, ay: float) -> None:
+    wo, wi = np.load(folder / "wo.npy"), np.load(folder / "wi.npy")
+    evaluate, kept = {"jax": jax, "mitsuba": mitsuba}[package](wo, wi, ax, ay), folder / "found.npy"
+    for _ in sys.stdin:
+        found = evaluate()
+        if not kept.exists():
+            np.save(kept, found() if callable(found) else found)
+        print("done", flush=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], Path(sys.argv[2]), float(sys.argv[3]), float(sys.argv[4]))
