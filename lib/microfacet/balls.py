@@ -137,7 +137,7 @@ def integral(function: Callable[[Ball, bool], Ball], low: Any, high: Any, digits
         acb(ball(low)),
         acb(ball(high)),
         rel_tol=goal,
-        abs_tol=goal**8,
+        abs_tol=goal**4,
         eval_limit=EVALUATIONS,
     )
     return found.real

@@ -34,6 +34,9 @@ PARTS = ("means", "equals", "computed_as")
 ORIGINAL = {key: equations[key] for key in equations}
 
 
+TOLD = "mutants"  # the property of a test that holds its outcomes
+
+
 @dataclass(frozen=True)
 class Outcome:
     """One mutant and the check that went red, "equivalent" if it was proved to be none, or nothing."""
