@@ -32,6 +32,15 @@ def is_module(name: str) -> bool:
 
 
 @cache
+def parsed(source: str) -> ast.Module:
+    return ast.parse(source)
+
+
+def tree_of(file: Path) -> ast.Module:
+    return parsed(file.read_text("utf-8"))
+
+
+@cache
 def whole_package() -> frozenset[Path]:
     return frozenset((SOURCE_ROOT / PACKAGE).rglob("*.py"))
 
@@ -43,7 +52,7 @@ def lazy_names(package: str) -> dict[str, str]:
     if file is None or file.name != "__init__.py":
         return {}
     names: dict[str, str] = {}
-    for node in ast.parse(file.read_text("utf-8")).body:
+    for node in tree_of(file).body:
         value = node.value if isinstance(node, ast.Assign | ast.AnnAssign) else None
         if isinstance(value, ast.Dict):
             names |= table_of(package, value)
@@ -95,10 +104,7 @@ def from_module(module: str, name: str = "") -> set[str]:
 @cache
 def computes_imports(module: str, name: str) -> bool:
     """Follow the definitions inside the module from `name` (from all of it where there is none)."""
-    file = module_file(module)
-    if file is None:
-        return False
-    used = {d: names_in(node) for node in ast.parse(file.read_text("utf-8")).body for d in defined_by(node)}
+    used = uses(module)
     queue, seen = [name] if name else list(used), set[str]()
     while queue:
         one = queue.pop()
@@ -110,10 +116,20 @@ def computes_imports(module: str, name: str) -> bool:
     return False
 
 
+@cache
+def uses(module: str) -> dict[str, set[str]]:
+    """What each definition at the top of a module names."""
+    file = module_file(module)
+    body = tree_of(file).body if file is not None else []
+    return {defined: names_in(node) for node in body for defined in defined_by(node)}
+
+
 def names_in(node: ast.AST) -> set[str]:
-    inner = list(ast.walk(node))
-    names = {n.id for n in inner if isinstance(n, ast.Name)}
-    return names | {n.attr for n in inner if isinstance(n, ast.Attribute)}
+    return {
+        inner.id if isinstance(inner, ast.Name) else inner.attr
+        for inner in ast.walk(node)
+        if isinstance(inner, ast.Name | ast.Attribute)
+    }
 
 
 def defined_by(node: ast.stmt) -> set[str]:
@@ -135,7 +151,7 @@ def defines(module: str, name: str) -> bool:
     file = module_file(module)
     if file is None:
         return False
-    body = ast.parse(file.read_text("utf-8")).body
+    body = tree_of(file).body
     return name.startswith("__") or any(name in defined_by(node) for node in body)
 
 
@@ -196,10 +212,9 @@ class Imports(ast.NodeVisitor):
 
 def imports_of(tree: ast.Module, module: str = "", is_package: bool = False) -> Imports:
     imports = Imports(module, is_package)
-    for kind in (ast.Import, ast.ImportFrom):  # bindings first, wherever they stand
-        for node in ast.walk(tree):
-            if isinstance(node, kind):
-                imports.visit(node)
+    nodes = [node for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom)]
+    for node in sorted(nodes, key=lambda node: isinstance(node, ast.ImportFrom)):  # bindings first, wherever they stand
+        imports.visit(node)
     imports.visit(tree)
     return imports
 
@@ -222,25 +237,26 @@ def module_needs(module: str) -> frozenset[str]:
     file = module_file(module)
     if file is None:
         return frozenset()
-    tree = ast.parse(file.read_text("utf-8"))
+    tree = tree_of(file)
     return frozenset(imports_of(tree, module, file.name == "__init__.py").found)
 
 
-def of_source(source: str, folder: Path | None = None) -> set[Path]:
+@cache
+def of_source(source: str, folder: Path | None = None) -> frozenset[Path]:
     """Every file of the checkout that this source imports, directly or not."""
-    imports = imports_of(ast.parse(source))
+    imports = imports_of(parsed(source))
     files, queue, seen = set(siblings(imports, folder)), list(imports.found), set[str]()
     for path in list(files):
         files |= of_source(path.read_text("utf-8"), folder)
     while queue:
         module = queue.pop()
         if module == "*":
-            return files | whole_package()
+            return frozenset(files | whole_package())
         if module not in seen:
             seen.add(module)
             files |= set(imported_files(module))
             queue += module_needs(module)
-    return files
+    return frozenset(files)
 
 
 def siblings(imports: Imports, folder: Path | None) -> Iterator[Path]:
