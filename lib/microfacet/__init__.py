@@ -25,6 +25,7 @@ PUBLIC = {
     "Kelemen": "visibility.unphysical",
     "Microfacet": "brdf.specular",
     "NormalizedBlinnPhong": "geometry.blinn_phong",
+    "RandomWalk": "brdf.random_walk",
     "Schlick": "material.fresnel",
     "SchlickSmith": "visibility.unphysical",
     "Smith": "visibility.smith",

@@ -1,0 +1,491 @@
+"""All bounces within Smith's model: light walks at random between facets whose heights and normals are independent.
+
+A ray at a height meets facets at the rate that Smith's Lambda gives, of those that face it, and is mirrored by one of
+them, until it leaves. The first bounce is the height-correlated BRDF; all of them lose nothing but what facets keep.
+Heights are given by u, the share of the surface that lies lower, so that their distribution drops out. heitz2016.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+from functools import cache
+from math import cos, exp, log, pi, sin, sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+import sympy as sp
+
+from microfacet import balls
+from microfacet.brdf.specular import D_h, Microfacet, mu
+from microfacet.directions import as_vectors
+from microfacet.geometry import ggx
+from microfacet.geometry.beckmann import Beckmann
+from microfacet.geometry.ggx import GGX
+from microfacet.kernels import Batch
+from microfacet.material.fresnel import Fresnel
+from microfacet.notation import F, Lambda_i, Lambda_o, a, chi, om, raw, u, v
+from microfacet.statement import Equation
+from microfacet.visibility import shadowing
+from microfacet.visibility.smith import G1 as smith_masking
+from microfacet.visibility.smith import Smith, survival
+from microfacet.visibility.visible_normals import unstretched
+
+# --- statements ---------------------------------------------------------------------------------------------------
+
+reached = raw("u_reached", r"u'", positive=True)
+chance = raw("xi", r"\xi", positive=True)
+shown = raw("A_shown", r"A^{\pm}", positive=True)  # projected area of the facets turned to a ray, from above or below
+HEIGHTS = [(0.5, 0.25, 0.3), (1.0, 1e-3, 0.0), (0.1, 0.09, 40.0)]  # u, u', Lambda
+
+
+def _free_steps(it: Equation, passed: Equation) -> list[Any]:
+    """A chance of passing that is drawn evenly is the one of getting as far as stated."""
+    return [sp.expand_log(sp.log(passed.equals.doit().subs(reached, it.equals.doit())) - sp.log(chance), force=True)]
+
+
+def _first_steps(it: Equation) -> list[Any]:
+    """The density of heights is what is lost on the way down from the top; and the quotient of both functions of Smith."""
+    density = sp.diff(down.equals.doit().subs(u, 1), reached).subs(reached, u)
+    (whole,) = it.means.atoms(sp.Integral)
+    quotient = shadowing.height.equals.doit() / smith_masking.equals.doit().subs(chi(om), 1)
+    return [sp.simplify(density * u**Lambda_i - whole.function.doit()), it.means - it.equals, quotient - it.equals]
+
+
+with sp.evaluate(False):
+    down = Equation(
+        key="brdf.walk.down",
+        title="the chance that a ray on its way down passes from one height to another",
+        symbol=raw("passes_down", r"s_{-}(u, u')"),
+        means=sp.exp(-sp.Integral((1 + Lambda_o) / v, (v, reached, u))),
+        equals=(reached / u) ** (1 + Lambda_o),
+        over={u: (0.01, 1), reached: (0.01, 1), Lambda_o: (0, 10)},
+        within=(32, 32),
+        enclosed=lambda it: balls.agreement(it.means, it.equals, (u, reached, Lambda_o), HEIGHTS),
+        slides=(73, 74, 75),
+        cite="heitz2016",
+        note="A ray down meets the facets turned up to it, one going up those turned away from its origin.",
+    )
+    up = Equation(
+        key="brdf.walk.up",
+        title="the chance that a ray on its way up passes from one height to another",
+        symbol=raw("passes_up", r"s_{+}(u, u')"),
+        means=sp.exp(-sp.Integral(Lambda_o / v, (v, u, reached))),
+        equals=(u / reached) ** Lambda_o,
+        over={u: (0.01, 1), reached: (0.01, 1), Lambda_o: (0, 10)},
+        within=(16, 16),
+        enclosed=lambda it: balls.agreement(it.means, it.equals, (u, reached, Lambda_o), HEIGHTS),
+        slides=(73, 74, 75),
+        cite="heitz2016",
+        note="At u' = 1 the ray has left, and this is the chance that the facet is seen.",
+    )
+    step_down = Equation(
+        key="brdf.walk.step_down",
+        title="the height at which a ray on its way down meets a facet, for a random number",
+        symbol=reached,
+        equals=u * chance ** (1 / (1 + Lambda_o)),
+        over={u: (1e-6, 1), chance: (1e-6, 1), Lambda_o: (0, 1e4)},
+        proof=lambda it: _free_steps(it, down),
+        proved_by="sympy: the chance to get as far is the random number",
+        slides=(73, 74, 75),
+        cite="heitz2016",
+    )
+    step_up = Equation(
+        key="brdf.walk.step_up",
+        title="the same for a ray on its way up, which has left where this is 1 or more",
+        symbol=reached,
+        equals=u * chance ** (-1 / Lambda_o),
+        over={u: (1e-6, 1), chance: (0.01, 1), Lambda_o: (0.5, 1e4)},
+        proof=lambda it: _free_steps(it, up),
+        proved_by="sympy: the chance to get as far is the random number",
+        slides=(73, 74, 75),
+        cite="heitz2016",
+    )
+    first = Equation(
+        key="brdf.walk.first",
+        title="of the light that was mirrored once, so much leaves",
+        symbol=raw("leaves_first", r"\frac{G_2(\omega_o, \omega_i, \omega_m)}{G_1(\omega_o, \omega_m)}"),
+        means=sp.Integral((1 + Lambda_o) * u**Lambda_o * u**Lambda_i, (u, 0, 1)),
+        equals=(1 + Lambda_o) / (1 + Lambda_o + Lambda_i),
+        over={Lambda_o: (0, 100), Lambda_i: (0, 100)},
+        enclosed=lambda it: balls.agreement(it.means, it.equals, (Lambda_o, Lambda_i), [(0.0, 0.0), (0.25, 0.5), (1.0, 30.0)]),
+        proof=lambda it: _first_steps(it),
+        proved_by="sympy: the density of heights on the way down, the chance to leave from there, their integral",
+        slides=(73, 74, 75),
+        cite="heitz2016",
+    )
+    phase = Equation(
+        key="brdf.walk.phase",
+        title="density of the directions into which a ray is mirrored",
+        symbol=raw("p_mirrored", r"p(\omega_o \rightarrow \omega_i)"),
+        means=F * om * D_h / shown / (4 * om),
+        equals=F * D_h / (4 * shown),
+        over={F: (0.01, 1), D_h: (1e-6, 1e6), shown: (1e-8, 1), om: (1e-8, 1)},
+        proved_by="sympy: the density of facets met, times what a solid angle of normals is per one of light",
+        slides=(73, 74, 75),
+        cite="heitz2016",
+        note="For a ray from above A+ is all that it can see, for one from below, whose cosine is negative, A- is.",
+    )
+    cap = Equation(
+        key="brdf.walk.cap",
+        title="the same for GGX of alpha = 1 and a ray that comes from below: evenly over a cap",
+        symbol=raw("p_cap", r"p(\omega_o \rightarrow \omega_i)"),
+        means=1 / (4 * sp.pi * (mu * ((-1 + sp.sqrt(1 + (1 - mu**2) / mu**2)) / 2))),
+        equals=1 / (2 * sp.pi * (1 - mu)),
+        over={mu: (0.01, 0.9)},
+        proof=lambda it: _cap_steps(it),
+        proved_by="sympy: D = 1/pi and Lambda of GGX put in; the cap's area",
+        slides=(73, 74, 75),
+        cite="heitz2016; dupuy2023",
+        note="mu is the cosine to the downward normal; light leaves into the cap whose cosines are above mu.",
+    )
+
+
+def _cap_steps(it: Equation) -> list[Any]:
+    """Of perfect mirrors, D = 1/pi on the upper hemisphere; other roughnesses are this one stretched."""
+    lam = ggx.Lambda.equals.doit().subs(a, mu / sp.sqrt(1 - mu**2))
+    turned_away = phase.equals.doit().subs({F: 1, D_h: 1 / sp.pi, shown: mu * lam})
+    area = sp.integrate(2 * sp.pi, (sp.Symbol("z"), mu, 1))
+    return [
+        sp.simplify(turned_away - it.equals.doit()),
+        sp.simplify(it.means.doit() - it.equals.doit()),
+        area * it.equals.doit() - 1,
+    ]
+
+
+# --- random numbers: any number of them from two, the same on every thread ----------------------------------------------
+
+WORD = (1 << 64) - 1
+GOLDEN, FIRST, SECOND = 0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB  # of steele2014
+STRIDE, TRIES = 1024, 300  # numbers set aside for a bounce; of these, how often a facet is drawn before giving up
+
+
+def _mixed(z: int) -> int:
+    z = ((z ^ (z >> 30)) * FIRST) & WORD
+    z = ((z ^ (z >> 27)) * SECOND) & WORD
+    return z ^ (z >> 31)
+
+
+def _bits(x: float) -> int:
+    return int(struct.unpack("<Q", struct.pack("<d", x))[0])
+
+
+def stream(u1: float, u2: float, k: int) -> int:
+    """The name of the k-th stream of random numbers that a pair of floats stands for."""
+    return _mixed((_mixed((_mixed(_bits(u1)) + _bits(u2)) & WORD) + GOLDEN * (k + 1)) & WORD)
+
+
+def drawn(key: int, k: int) -> float:
+    """The k-th number of a stream, in (0, 1), evenly distributed: splitmix64 at any place. steele2014."""
+    return ((_mixed((key + GOLDEN * (k + 1)) & WORD) >> 12) + 0.5) * 2.0**-52
+
+
+_MIX = f"""
+    z = (z ^ (z >> np.uint64(30))) * np.uint64({FIRST})
+    z = (z ^ (z >> np.uint64(27))) * np.uint64({SECOND})
+    z = z ^ (z >> np.uint64(31))"""
+_STREAM = f"""def unnamed(u1, u2, k):
+    z = np.float64(u1).view(np.uint64){_MIX}
+    z = z + np.float64(u2).view(np.uint64){_MIX}
+    z = z + np.uint64({GOLDEN}) * np.uint64(k + 1){_MIX}
+    return z"""
+_DRAWN = f"""def unnamed(key, k):
+    z = key + np.uint64({GOLDEN}) * np.uint64(k + 1){_MIX}
+    return (np.float64(z >> np.uint64(12)) + 0.5) * 2.220446049250313e-16"""
+stream.__compiled__ = {np.float64: _STREAM}  # type: ignore[attr-defined]
+drawn.__compiled__ = {np.float64: _DRAWN}  # type: ignore[attr-defined]
+
+
+# --- facets met from below ----------------------------------------------------------------------------------------------
+
+
+def ggx_from_below(
+    vx: float, vy: float, vz: float, u1: float, u2: float, key: int, at: int, p: Any
+) -> tuple[float, float, float]:
+    """A facet of GGX that faces a direction below the horizon: mirror directions fill a cap uniformly."""
+    alpha_x, alpha_y = p[0]
+    x, y, z = unstretched(vx, vy, vz, alpha_x, alpha_y)
+    rise = (x * x + y * y) / (1.0 - z)
+    above = (1.0 - u2) * rise
+    radius = sqrt((above + (1.0 - z)) * (u2 * rise))
+    mx, my = alpha_x * (radius * cos(2.0 * pi * u1) + x), alpha_y * (radius * sin(2.0 * pi * u1) + y)
+    scale = 1.0 / sqrt(mx * mx + my * my + above * above)
+    return scale * mx, scale * my, scale * above
+
+
+def gaussian_excess(c: float, u: float, key: int, at: int) -> float:
+    """y with density in proportion to y exp(-y^2 - 2 c y): the one factor or the other drawn, the rest by rejection."""
+    y = 0.0
+    for k in range(TRIES):
+        chance, other, third = (u if k == 0 else drawn(key, at + 3 * k)), drawn(key, at + 3 * k + 1), drawn(key, at + 3 * k + 2)
+        if c < 0.75:
+            y = sqrt(-log(chance))
+            if third < exp(-2.0 * c * y):
+                return y
+        else:
+            y = -log(chance * other) / (2.0 * c)
+            if third < exp(-y * y):
+                return y
+    return y
+
+
+def beckmann_from_below(
+    vx: float, vy: float, vz: float, u1: float, u2: float, key: int, at: int, p: Any
+) -> tuple[float, float, float]:
+    """A facet of Beckmann that faces a direction below the horizon: its slope along it exceeds the direction's."""
+    alpha_x, alpha_y = p[0]
+    x, y, z = unstretched(vx, vy, vz, alpha_x, alpha_y)
+    length = sqrt(x * x + y * y)
+    c, s = x / length, y / length
+    along = z / length - gaussian_excess(-z / length, 1.0 - u1, key, at)
+    across = sqrt(-log(1.0 - u2)) * cos(2.0 * pi * drawn(key, at + 3 * TRIES))
+    slope_x, slope_y = alpha_x * (c * along - s * across), alpha_y * (s * along + c * across)
+    mz = 1.0 / sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
+    return -slope_x * mz, -slope_y * mz, mz
+
+
+FROM_BELOW = {GGX: ggx_from_below, Beckmann: beckmann_from_below}
+
+
+# --- the walk -------------------------------------------------------------------------------------------------------------
+
+LONGEST = 1000  # bounces after which a walk is given up; its light counts as under way
+stated_down, stated_up, stated_phase, stated_survival = step_down.scalar, step_up.scalar, phase.scalar, survival.scalar
+
+
+@cache
+def next_height(view: Callable[..., float]) -> Callable[..., float]:
+    """The height at which a ray from height u along (x, y, z) meets a facet; 1 or more if it leaves."""
+
+    def height(u: float, x: float, y: float, z: float, chance: float, p: Any) -> float:
+        if not z > 0.0:
+            return stated_down(u, chance, view(x, y, z, p))
+        Lambda = view(x, y, z, p)
+        return stated_up(u, chance, Lambda) if Lambda > 0.0 else 2.0
+
+    return height
+
+
+@cache
+def facet_met(above: Callable[..., Any], below: Callable[..., Any]) -> Callable[..., Any]:
+    """A facet among those that face (vx, vy, vz), in proportion to what they show."""
+
+    def facet(vx: float, vy: float, vz: float, u1: float, u2: float, key: int, at: int, p: Any) -> tuple[float, float, float]:
+        return above(vx, vy, vz, u1, u2, p) if vz > 0.0 else below(vx, vy, vz, u1, u2, key, at, p)
+
+    return facet
+
+
+@cache
+def walk(
+    view: Callable[..., float], above: Callable[..., Any], below: Callable[..., Any], fresnel: Callable[..., float]
+) -> Batch:
+    """Where a walk from wo ends, with what weight, after how many bounces: (..., 3), (..., 2) -> (..., 5)."""
+    height, facet = next_height(view), facet_met(above, below)
+
+    def walked(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float, float, float]:
+        if not oz > 0.0:
+            return 0.0, 0.0, 0.0, 0.0, 0.0
+        key = stream(u1, u2, 0)
+        x, y, z = -ox, -oy, -oz
+        u, weight = 1.0, 1.0
+        for bounce in range(LONGEST):
+            at = STRIDE * bounce
+            u = height(u, x, y, z, drawn(key, at), p[0])
+            if not u < 1.0:
+                return x, y, z, weight, bounce * 1.0
+            first, second = (u1, u2) if bounce == 0 else (drawn(key, at + 1), drawn(key, at + 2))
+            mx, my, mz = facet(-x, -y, -z, first, second, key, at + 3, p[0])
+            cosine = -(x * mx + y * my + z * mz)
+            weight *= fresnel(min(max(cosine, 0.0), 1.0), p[1])
+            x, y, z = x + 2.0 * cosine * mx, y + 2.0 * cosine * my, z + 2.0 * cosine * mz
+        return 0.0, 0.0, 0.0, weight, LONGEST * 1.0
+
+    return Batch(walked, [3, 2], 5)
+
+
+@cache
+def connections(
+    normals: Callable[..., float],
+    view: Callable[..., float],
+    above: Callable[..., Any],
+    below: Callable[..., Any],
+    fresnel: Callable[..., float],
+) -> Batch:
+    """What walks from wo send to wi from each facet they meet, as a BRDF: (..., 3), (..., 3), (..., 2) -> (..., 4).
+
+    Means over the walks of the first bounce and of all later ones, and of the squares of these.
+    """
+    height, facet = next_height(view), facet_met(above, below)
+
+    def sent(
+        ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, u1: float, u2: float, p: Any
+    ) -> tuple[float, float, float, float]:
+        once = 0.0
+        often = 0.0
+        once_squared = 0.0
+        often_squared = 0.0
+        if not (oz > 0.0 and iz > 0.0):
+            return once, often, once_squared, often_squared
+        lit = view(ix, iy, iz, p[0])
+        count = int(p[2][0])
+        for number in range(count):
+            key = stream(u1, u2, number)
+            x, y, z = -ox, -oy, -oz
+            u, weight = 1.0, 1.0
+            single, several = 0.0, 0.0
+            for bounce in range(LONGEST):
+                at = STRIDE * bounce
+                u = height(u, x, y, z, drawn(key, at), p[0])
+                if not u < 1.0:
+                    break
+                hx, hy, hz = ix - x, iy - y, iz - z
+                length = sqrt(hx * hx + hy * hy + hz * hz)
+                if hz > 0.0:
+                    cosine = min(0.5 * length, 1.0)
+                    density = normals(hx / length, hy / length, hz / length, p[0][0])
+                    masked = view(x, y, z, p[0])
+                    area = -z * (1.0 + masked) if z < 0.0 else z * masked
+                    share = weight * stated_phase(fresnel(cosine, p[1]), density, area, cosine) * stated_survival(lit, u) / iz
+                    single += share if bounce == 0 else 0.0
+                    several += share if bounce > 0 else 0.0
+                mx, my, mz = facet(-x, -y, -z, drawn(key, at + 1), drawn(key, at + 2), key, at + 3, p[0])
+                cosine = -(x * mx + y * my + z * mz)
+                weight *= fresnel(min(max(cosine, 0.0), 1.0), p[1])
+                x, y, z = x + 2.0 * cosine * mx, y + 2.0 * cosine * my, z + 2.0 * cosine * mz
+            once += single / count
+            often += several / count
+            once_squared += single * single / count
+            often_squared += several * several / count
+        return once, often, once_squared, often_squared
+
+    return Batch(sent, [3, 3, 2], 4)
+
+
+# --- the model --------------------------------------------------------------------------------------------------------
+
+AT_ONCE = 1 << 17  # walks held in memory
+
+
+class Estimate(NamedTuple):
+    """A mean over walks and its standard error."""
+
+    value: Any
+    error: Any
+
+
+class Bounces(NamedTuple):
+    """Shares of the light by the number of bounces: (..., n) for 1 to n of them, with standard errors.
+
+    more, more_error: what leaves later (...). under_way: what had not left after `LONGEST` bounces (...).
+    """
+
+    value: Any
+    error: Any
+    more: Any
+    more_error: Any
+    under_way: Any
+
+
+class RandomWalk:
+    """Light after any number of bounces on a surface of Smith's model, height-correlated, over GGX or Beckmann. heitz2016.
+
+    model: such a model. fresnel: the reflectance of a facet (None: F = 1); what a facet does not reflect is lost, as in a
+    conductor. Facets are mirrors and light takes straight rays. Results are means over random walks, with standard errors;
+    they depend on the seed, not on the number of threads. ValueError for other models and for numbers of walks below 2.
+    """
+
+    def __init__(self, model: Smith, fresnel: Fresnel | None = None) -> None:
+        kind = type(getattr(model, "ndf", None))
+        if not isinstance(model, Smith) or model.correlation != "height" or kind not in FROM_BELOW:
+            raise ValueError(f"model must be Smith(GGX(...)) or Smith(Beckmann(...)), height-correlated, got {model!r}")
+        self.single = Microfacet(model, fresnel)
+        self.model, self.fresnel = model, self.single.fresnel
+        self.parameters = self.single.parameters
+        self._kernels = (model.view_kernel, model.sampler, FROM_BELOW[kind], type(self.fresnel).kernel)
+
+    def sample(self, wo: Any, u: Any) -> tuple[Any, Any, Any]:
+        """Light directions wi (..., 3) with density in proportion to the BRDF of F = 1 times their cosine, what each
+        weighs (...), which is the product of all reflectances, and the number of bounces (...), for wo (..., 3) and u
+        (..., 2) in [0, 1). u names the whole walk: the first facet is taken from it, all else from a stream that it starts.
+        Zero vectors of weight and bounces 0 where wo is below the horizon, and weight 0 after `LONGEST` bounces."""
+        wo, u = as_vectors("wo", wo), _in_unit_interval("u", as_vectors("u", u, 2))
+        found = self._walked(wo, u)
+        wi, weight, bounces = found[..., :3], found[..., 3], found[..., 4]
+        real = np.float32 if wo.dtype == u.dtype == np.float32 else np.float64
+        return wi.astype(real), np.where(wi[..., 2] > 0, weight, 0.0).astype(real), bounces.astype(np.int64)
+
+    def evaluate(self, wo: Any, wi: Any, walks: int = 256, seed: int = 0) -> Estimate:
+        """The BRDF, 1/sr, shapes (..., 3) -> (...): the first bounce exactly, later ones as a mean over so many walks from
+        wo; 0 if either direction is below the horizon."""
+        once = self.single.evaluate(wo, wi)
+        found = self.connections(wo, wi, walks, seed)[1]
+        return Estimate(once + found.value.astype(once.dtype), found.error.astype(once.dtype))
+
+    def connections(self, wo: Any, wi: Any, walks: int = 256, seed: int = 0) -> tuple[Estimate, Estimate]:
+        """The BRDF of the first bounce and that of all later ones, both as means over walks, 1/sr, (..., 3) -> (...)."""
+        wo, wi, count = as_vectors("wo", wo), as_vectors("wi", wi), _many("walks", walks)
+        shape = np.broadcast_shapes(wo.shape[:-1], wi.shape[:-1])
+        u = np.random.default_rng(seed).random((*shape, 2))
+        rule = connections(type(self.model.ndf).kernel, *self._kernels)
+        found = rule([wo.astype(float), wi.astype(float), u], (*self.parameters, (float(count),)))
+        squares = np.maximum(found[..., 2:] - found[..., :2] ** 2, 0) / (count - 1)
+        return tuple(Estimate(found[..., k], np.sqrt(squares[..., k])) for k in (0, 1))  # type: ignore[return-value]
+
+    def albedo(self, wo: Any, walks: int = 65536, seed: int = 0) -> Estimate:
+        """Share of light from wo (..., 3) that is reflected (...): the first bounce by quadrature, later ones by walks."""
+        once, error = self.single.albedo_with_error(wo)
+        _, later = self._sums(wo, walks, seed, 1)
+        mean, scatter = _mean(*later, walks)
+        return Estimate(once + mean[..., 0], np.hypot(error, scatter[..., 0]))
+
+    def albedo_by_bounce(self, wo: Any, walks: int = 65536, seed: int = 0, orders: int = 6) -> Bounces:
+        """Shares of light from wo (..., 3) that leave after 1, 2, ..., `orders` bounces, from so many walks for each wo."""
+        left, later = self._sums(wo, walks, seed, _many("orders", orders, 1))
+        value, error = _mean(*left, walks)
+        mean, scatter = _mean(*later, walks)
+        return Bounces(value, error, mean[..., 0], scatter[..., 0], mean[..., 1])
+
+    def _sums(self, wo: Any, walks: int, seed: int, orders: int) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
+        """Sums over walks of weights and of their squares: by bounces up to `orders`; of more, and of what is under way."""
+        wo, count = as_vectors("wo", wo).astype(float), _many("walks", walks)
+        rows = wo.reshape(-1, 3)
+        sums = np.zeros((2, len(rows), orders + 3))
+        step = max(1, AT_ONCE // max(len(rows), 1))
+        for block, start in enumerate(range(0, count, step)):
+            u = np.random.default_rng([seed, block]).random((len(rows), min(step, count - start), 2))
+            found = self._walked(rows[:, None], u)
+            order = np.minimum(found[..., 4].astype(np.int64), orders + 1)
+            order[found[..., 4] >= LONGEST] = orders + 2
+            for row in range(len(rows)):
+                for power in (1, 2):
+                    sums[power - 1, row] += np.bincount(order[row], found[row, :, 3] ** power, orders + 3)
+        both = sums.reshape(2, *wo.shape[:-1], orders + 3)
+        one, two = slice(1, orders + 1), slice(orders + 1, orders + 3)
+        return (both[0][..., one], both[1][..., one]), (both[0][..., two], both[1][..., two])
+
+    def _walked(self, wo: Any, u: Any) -> Any:
+        return walk(*self._kernels)([wo.astype(float), u.astype(float)], self.parameters)
+
+    def __repr__(self) -> str:
+        return f"RandomWalk({self.model!r}, {type(self.fresnel).__name__}{self.fresnel.parameters})"
+
+
+def _many(name: str, number: Any, least: int = 2) -> int:
+    """The argument as a whole number that is large enough; anything else is a ValueError that names it."""
+    if isinstance(number, bool) or not isinstance(number, int | np.integer) or number < least:
+        raise ValueError(f"{name} must be a whole number of at least {least}, got {number!r}")
+    return int(number)
+
+
+def _in_unit_interval(name: str, array: np.ndarray) -> np.ndarray:
+    """The argument if all its numbers lie in [0, 1); otherwise a ValueError that names it."""
+    if array.size and not (array.min() >= 0 and array.max() < 1):
+        raise ValueError(f"{name} must lie in [0, 1), got {array.min()} to {array.max()}")
+    return array
+
+
+def _mean(total: Any, squares: Any, walks: int) -> tuple[Any, Any]:
+    """The mean and its standard error, from sums over walks."""
+    mean = total / walks
+    return mean, np.sqrt(np.maximum(squares / walks - mean**2, 0) / (walks - 1))
