@@ -29,7 +29,7 @@ from microfacet.statement import Equation
 from microfacet.visibility import shadowing
 from microfacet.visibility.smith import G1 as smith_masking
 from microfacet.visibility.smith import Smith, survival
-from microfacet.visibility.visible_normals import unstretched
+from microfacet.visibility.visible_normals import SQRT_PI, STRAIGHT, unstretched
 
 # --- statements ---------------------------------------------------------------------------------------------------
 
@@ -157,7 +157,8 @@ def _cap_steps(it: Equation) -> list[Any]:
 
 WORD = (1 << 64) - 1
 GOLDEN, FIRST, SECOND = 0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB  # of steele2014
-STRIDE, TRIES = 1024, 300  # numbers set aside for a bounce; of these, how often a facet is drawn before giving up
+STRIDE, TRIES = 1024, 300  # numbers set aside for a bounce; of these, how often a slope is drawn before giving up
+FLAT = 1e200  # the cotangent of a direction that is upright
 
 
 def _mixed(z: int) -> int:
@@ -196,28 +197,27 @@ stream.__compiled__ = {np.float64: _STREAM}  # type: ignore[attr-defined]
 drawn.__compiled__ = {np.float64: _DRAWN}  # type: ignore[attr-defined]
 
 
-# --- facets met from below ----------------------------------------------------------------------------------------------
+# --- facets that a ray meets --------------------------------------------------------------------------------------------
 
 
-def ggx_from_below(
-    vx: float, vy: float, vz: float, u1: float, u2: float, key: int, at: int, p: Any
-) -> tuple[float, float, float]:
-    """A facet of GGX that faces a direction below the horizon: mirror directions fill a cap uniformly."""
+def ggx_facet(vx: float, vy: float, vz: float, u1: float, u2: float, key: int, at: int, p: Any) -> tuple[float, float, float]:
+    """A facet of GGX that faces a direction above the horizon or below: mirror directions fill a cap uniformly. dupuy2023."""
     alpha_x, alpha_y = p[0]
     x, y, z = unstretched(vx, vy, vz, alpha_x, alpha_y)
-    rise = (x * x + y * y) / (1.0 - z)
+    rise = 1.0 + z if z > 0.0 else (x * x + y * y) / (1.0 - z)
+    fall = 1.0 - z if z < 0.0 else (x * x + y * y) / (1.0 + z)
     above = (1.0 - u2) * rise
-    radius = sqrt((above + (1.0 - z)) * (u2 * rise))
+    radius = sqrt((above + fall) * (u2 * rise))
     mx, my = alpha_x * (radius * cos(2.0 * pi * u1) + x), alpha_y * (radius * sin(2.0 * pi * u1) + y)
     scale = 1.0 / sqrt(mx * mx + my * my + above * above)
     return scale * mx, scale * my, scale * above
 
 
-def gaussian_excess(c: float, u: float, key: int, at: int) -> float:
-    """y with density in proportion to y exp(-y^2 - 2 c y): the one factor or the other drawn, the rest by rejection."""
+def gaussian_excess(c: float, key: int, at: int) -> float:
+    """y > 0 with density in proportion to y exp(-y^2 - 2 c y), c >= 0: by rejection from either of its two factors."""
     y = 0.0
     for k in range(TRIES):
-        chance, other, third = (u if k == 0 else drawn(key, at + 3 * k)), drawn(key, at + 3 * k + 1), drawn(key, at + 3 * k + 2)
+        chance, other, third = drawn(key, at + 3 * k), drawn(key, at + 3 * k + 1), drawn(key, at + 3 * k + 2)
         if c < 0.75:
             y = sqrt(-log(chance))
             if third < exp(-2.0 * c * y):
@@ -229,22 +229,40 @@ def gaussian_excess(c: float, u: float, key: int, at: int) -> float:
     return y
 
 
-def beckmann_from_below(
+def gaussian_seen(c: float, key: int, at: int) -> float:
+    """x below c > 0 with density in proportion to (c - x) exp(-x^2): from a bound, (c + |x|) exp(-x^2), by rejection."""
+    x = 0.0
+    for k in range(TRIES):
+        chance, other, third = drawn(key, at + 3 * k), drawn(key, at + 3 * k + 1), drawn(key, at + 3 * k + 2)
+        radius = sqrt(-log(chance))
+        if third * (SQRT_PI * c + 1.0) < 1.0:  # |x| exp(-x^2), else c exp(-x^2)
+            x = radius if other < 0.5 else -radius
+            rest = 2.0 * other - (0.0 if other < 0.5 else 1.0)
+        else:
+            x = radius * cos(pi * other)
+            rest = (third * (SQRT_PI * c + 1.0) - 1.0) / (SQRT_PI * c)
+        if rest * (c + abs(x)) < c - x:
+            return x
+    return x
+
+
+def beckmann_facet(
     vx: float, vy: float, vz: float, u1: float, u2: float, key: int, at: int, p: Any
 ) -> tuple[float, float, float]:
-    """A facet of Beckmann that faces a direction below the horizon: its slope along it exceeds the direction's."""
+    """A facet of Beckmann that faces a direction above the horizon or below, in proportion to what it shows."""
     alpha_x, alpha_y = p[0]
     x, y, z = unstretched(vx, vy, vz, alpha_x, alpha_y)
     length = sqrt(x * x + y * y)
-    c, s = x / length, y / length
-    along = z / length - gaussian_excess(-z / length, 1.0 - u1, key, at)
-    across = sqrt(-log(1.0 - u2)) * cos(2.0 * pi * drawn(key, at + 3 * TRIES))
+    c, s = (x / length, y / length) if length > STRAIGHT else (1.0, 0.0)
+    steep = z / length if length > STRAIGHT else FLAT
+    along = gaussian_seen(steep, key, at) if steep > 0.0 else steep - gaussian_excess(-steep, key, at)
+    across = sqrt(-log(1.0 - u1)) * cos(2.0 * pi * u2)
     slope_x, slope_y = alpha_x * (c * along - s * across), alpha_y * (s * along + c * across)
     mz = 1.0 / sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
     return -slope_x * mz, -slope_y * mz, mz
 
 
-FROM_BELOW = {GGX: ggx_from_below, Beckmann: beckmann_from_below}
+FACETS = {GGX: ggx_facet, Beckmann: beckmann_facet}
 
 
 # --- the walk -------------------------------------------------------------------------------------------------------------
@@ -267,21 +285,9 @@ def next_height(view: Callable[..., float]) -> Callable[..., float]:
 
 
 @cache
-def facet_met(above: Callable[..., Any], below: Callable[..., Any]) -> Callable[..., Any]:
-    """A facet among those that face (vx, vy, vz), in proportion to what they show."""
-
-    def facet(vx: float, vy: float, vz: float, u1: float, u2: float, key: int, at: int, p: Any) -> tuple[float, float, float]:
-        return above(vx, vy, vz, u1, u2, p) if vz > 0.0 else below(vx, vy, vz, u1, u2, key, at, p)
-
-    return facet
-
-
-@cache
-def walk(
-    view: Callable[..., float], above: Callable[..., Any], below: Callable[..., Any], fresnel: Callable[..., float]
-) -> Batch:
+def walk(view: Callable[..., float], facet: Callable[..., Any], fresnel: Callable[..., float]) -> Batch:
     """Where a walk from wo ends, with what weight, after how many bounces: (..., 3), (..., 2) -> (..., 5)."""
-    height, facet = next_height(view), facet_met(above, below)
+    height = next_height(view)
 
     def walked(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float, float, float]:
         if not oz > 0.0:
@@ -294,8 +300,7 @@ def walk(
             u = height(u, x, y, z, drawn(key, at), p[0])
             if not u < 1.0:
                 return x, y, z, weight, bounce * 1.0
-            first, second = (u1, u2) if bounce == 0 else (drawn(key, at + 1), drawn(key, at + 2))
-            mx, my, mz = facet(-x, -y, -z, first, second, key, at + 3, p[0])
+            mx, my, mz = facet(-x, -y, -z, drawn(key, at + 1), drawn(key, at + 2), key, at + 3, p[0])
             cosine = -(x * mx + y * my + z * mz)
             weight *= fresnel(min(max(cosine, 0.0), 1.0), p[1])
             x, y, z = x + 2.0 * cosine * mx, y + 2.0 * cosine * my, z + 2.0 * cosine * mz
@@ -308,15 +313,14 @@ def walk(
 def connections(
     normals: Callable[..., float],
     view: Callable[..., float],
-    above: Callable[..., Any],
-    below: Callable[..., Any],
+    facet: Callable[..., Any],
     fresnel: Callable[..., float],
 ) -> Batch:
     """What walks from wo send to wi from each facet they meet, as a BRDF: (..., 3), (..., 3), (..., 2) -> (..., 4).
 
     Means over the walks of the first bounce and of all later ones, and of the squares of these.
     """
-    height, facet = next_height(view), facet_met(above, below)
+    height = next_height(view)
 
     def sent(
         ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, u1: float, u2: float, p: Any
@@ -397,17 +401,17 @@ class RandomWalk:
 
     def __init__(self, model: Smith, fresnel: Fresnel | None = None) -> None:
         kind = type(getattr(model, "ndf", None))
-        if not isinstance(model, Smith) or model.correlation != "height" or kind not in FROM_BELOW:
+        if not isinstance(model, Smith) or model.correlation != "height" or kind not in FACETS:
             raise ValueError(f"model must be Smith(GGX(...)) or Smith(Beckmann(...)), height-correlated, got {model!r}")
         self.single = Microfacet(model, fresnel)
         self.model, self.fresnel = model, self.single.fresnel
         self.parameters = self.single.parameters
-        self._kernels = (model.view_kernel, model.sampler, FROM_BELOW[kind], type(self.fresnel).kernel)
+        self._kernels = (model.view_kernel, FACETS[kind], type(self.fresnel).kernel)
 
     def sample(self, wo: Any, u: Any) -> tuple[Any, Any, Any]:
         """Light directions wi (..., 3) with density in proportion to the BRDF of F = 1 times their cosine, what each
         weighs (...), which is the product of all reflectances, and the number of bounces (...), for wo (..., 3) and u
-        (..., 2) in [0, 1). u names the whole walk: the first facet is taken from it, all else from a stream that it starts.
+        (..., 2) in [0, 1). u names the walk: all its random numbers are drawn from a stream that u starts.
         Zero vectors of weight and bounces 0 where wo is below the horizon, and weight 0 after `LONGEST` bounces."""
         wo, u = as_vectors("wo", wo), _in_unit_interval("u", as_vectors("u", u, 2))
         found = self._walked(wo, u)
@@ -423,7 +427,9 @@ class RandomWalk:
         return Estimate(once + found.value.astype(once.dtype), found.error.astype(once.dtype))
 
     def connections(self, wo: Any, wi: Any, walks: int = 256, seed: int = 0) -> tuple[Estimate, Estimate]:
-        """The BRDF of the first bounce and that of all later ones, both as means over walks, 1/sr, (..., 3) -> (...)."""
+        """The BRDF of the first bounce and that of all later ones, both as means over walks, 1/sr, (..., 3) -> (...).
+
+        Where the BRDF is so small that hardly any walk finds it, the standard errors are too small as well."""
         wo, wi, count = as_vectors("wo", wo), as_vectors("wi", wi), _many("walks", walks)
         shape = np.broadcast_shapes(wo.shape[:-1], wi.shape[:-1])
         u = np.random.default_rng(seed).random((*shape, 2))
