@@ -17,6 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import mutually_broadcastable_shapes
 from microfacet.arithmetic import exp_minus_square, exp_minus_squares, turn, two_product, two_sum
+from microfacet.directions import uniform, vectors
 from microfacet.kernels import CHUNK, Batch, ByPrecision, cache_directory, packed, source
 
 HALF = 0.5
@@ -341,3 +342,130 @@ def test_one_row_for_all_is_read_once_and_rows_of_one_turn_are_not_copied() -> N
     np.testing.assert_array_equal(MANY([rows[:1], s], (0.3,)), MANY([np.repeat(rows[:1], 50, 0), s], (0.3,)))
     np.testing.assert_array_equal(MANY([rows, 0.4], (0.3,)), MANY([rows, np.full(50, 0.4)], (0.3,)))
     assert "b0_2 = a0[2]" in MANY.text(np.float64, (True, False))
+
+
+# --- arguments that are checked while they are read ---------------------------------------------------------------------
+
+MANY_ROWS = 2 * CHUNK + 7  # more than one thread's share
+
+
+def of_pair(x: float, y: float, z: float, a: float, b: float, c: float, p: Any) -> float:
+    return (x + y + z) * p[0] + a - b + c
+
+
+def first_half(x: float, y: float, z: float, u: float, v: float, p: Any) -> float:
+    return 0.5 * x
+
+
+PAIRS, HALVES = Batch(of_pair, [3, 3]), Batch(first_half, [3, 2])
+
+
+def pairs(wo: Any, wi: Any, out: np.ndarray | None = None) -> Any:
+    return PAIRS([vectors("wo", wo), vectors("wi", wi)], (2.0,), out)
+
+
+@pytest.mark.parametrize("threads", ["1", "2"])
+@pytest.mark.parametrize("real", [np.float64, np.float32])
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("row", [0, CHUNK, MANY_ROWS - 1])
+def test_a_number_that_is_none_is_found_wherever_it_stands(
+    row: int, wrong: float, real: type, threads: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MICROFACET_THREADS", threads)
+    given = [np.ones((MANY_ROWS, 3), real), np.ones((MANY_ROWS, 3), real)]
+    np.testing.assert_array_equal(pairs(*given), 7)
+    for k, name in enumerate(("wo", "wi")):
+        given[k][row, 2] = wrong
+        with pytest.raises(ValueError, match=rf"^{name} must be finite, got {wrong} at index \({row}, 2\)$"):
+            pairs(*given)
+        given[k][row, 2] = 1
+    np.testing.assert_array_equal(pairs(*given), 7)
+
+
+def test_of_two_wrong_arguments_the_first_is_named() -> None:
+    rows = np.full((4, 3), np.nan)
+    with pytest.raises(ValueError, match=r"^wo must be finite, got nan at index \(0, 0\)$"):
+        pairs(rows, rows)
+
+
+@pytest.mark.parametrize("shape", [(3,), (1, 3), (1, 1, 3), (1, 4, 3), (5, 1, 3)])
+def test_a_number_that_is_none_in_what_is_broadcast(shape: tuple[int, ...]) -> None:
+    row = np.ones(shape)
+    rows = np.ones((5, 4, 3))
+    np.testing.assert_array_equal(pairs(rows, row), pairs(row, rows))
+    row[..., 1] = np.nan
+    for name, both in (("wo", (row, rows)), ("wi", (rows, row))):
+        with pytest.raises(ValueError, match=rf"^{name} must be finite, got nan at index \("):
+            pairs(*both)
+
+
+def test_a_number_that_is_none_in_strided_rows_and_between_them() -> None:
+    padded = np.ones((100, 7))
+    view = padded[::2, 1:7:2]
+    for rows in (view, np.asfortranarray(view), view[::-1]):
+        np.testing.assert_array_equal(pairs(rows, rows), 7)
+    padded[1::2] = padded[:, ::2] = np.nan
+    np.testing.assert_array_equal(pairs(view, view), 7)
+    view[49, 2] = np.inf
+    for rows, at in ((view, 49), (np.asfortranarray(view), 49), (view[::-1], 0)):
+        with pytest.raises(ValueError, match=rf"^wi must be finite, got inf at index \({at}, 2\)$"):
+            pairs(np.ones((50, 3)), rows)
+
+
+def test_arguments_of_a_loop_without_a_turn_are_checked() -> None:
+    """Nothing is computed from them; they are wrong all the same."""
+    assert pairs(np.ones((1, 3)), np.ones((0, 3))).shape == (0,)
+    assert pairs(np.ones((2, 0, 3)), np.ones(3)).shape == (2, 0)
+    with pytest.raises(ValueError, match=r"^wi must be finite, got nan at index \(2,\)$"):
+        pairs(np.ones((0, 3)), [1.0, 1.0, np.nan])
+    with pytest.raises(ValueError, match=r"^wo must be finite, got inf at index \(1, 0\)$"):
+        pairs([[1.0, 1.0, 1.0], [np.inf, 1.0, 1.0]], np.ones((0, 1, 3)))
+
+
+def test_out_is_filled_whether_or_not_arguments_are_checked() -> None:
+    rows = arguments(MANY_ROWS)[0]
+    out = np.full(MANY_ROWS, np.nan)
+    assert pairs(rows, rows, out) is out
+    np.testing.assert_array_equal(out, PAIRS([rows, rows], (2.0,)))
+    rows[-1, 0] = np.nan
+    with pytest.raises(ValueError, match="wo must be finite"):
+        pairs(rows, rows, out)
+    with pytest.raises(ValueError, match="out must be"):
+        pairs(rows, rows, out[1:])
+
+
+@pytest.mark.parametrize("real", [np.float64, np.float32])
+def test_finite_numbers_whose_sum_overflows_pass(real: type) -> None:
+    """The sum of all numbers of a turn is what a loop looks at first."""
+    rows, u = np.ones((MANY_ROWS, 3), real), np.full(2, 0.5, real)
+    rows[7] = np.finfo(real).max
+    for x in (rows, rows[7]):
+        np.testing.assert_array_equal(HALVES([vectors("x", x), uniform("u", u)]), 0.5 * x[..., 0])
+
+
+def test_not_checked_unless_named() -> None:
+    assert np.isnan(PAIRS([np.full(3, np.nan), np.ones(3)], (2.0,)))
+
+
+@pytest.mark.parametrize("real", [np.float64, np.float32])
+def test_shares_lie_in_their_interval(real: type) -> None:
+    rows, u = np.ones((MANY_ROWS, 3), real), np.full((MANY_ROWS, 2), 0.5, real)
+    last, least = np.nextafter(real(1), real(0)), np.finfo(real).smallest_subnormal
+    for fine in (0.0, -0.0, least, last):
+        u[-1, 1] = fine
+        HALVES([vectors("x", rows), uniform("u", u)])
+    for wrong, words in ((1.0, r"lie in \[0, 1\)"), (-least, r"lie in \[0, 1\)"), (np.nan, "be finite"), (np.inf, "be finite")):
+        u[-1, 1] = wrong
+        with pytest.raises(ValueError, match=f"^u must {words}, got .*{real(wrong)}"):
+            HALVES([vectors("x", rows), uniform("u", u)])
+        with pytest.raises(ValueError, match=f"^u must {words}, got .*{real(wrong)}"):
+            HALVES([vectors("x", rows), uniform("u", u[-1])])
+
+
+def test_arrays_that_are_not_aligned() -> None:
+    rows, s = arguments(50)
+    bytes_ = np.zeros(rows.nbytes + 1, np.uint8)
+    crooked = bytes_[1:].view(np.float64).reshape(rows.shape)
+    crooked[:] = rows
+    assert not crooked.flags.aligned
+    np.testing.assert_array_equal(MANY([crooked, s], (0.3,)), MANY([rows, s], (0.3,)))

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+
+_PRECISIONS = (np.dtype(np.float64), np.dtype(np.float32))
 
 
 def spherical(theta: Any, phi: Any = 0.0) -> np.ndarray:
@@ -14,44 +16,70 @@ def spherical(theta: Any, phi: Any = 0.0) -> np.ndarray:
     return np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=-1)
 
 
-def as_vectors(name: str, values: Any, width: int = 3) -> np.ndarray:
-    """The argument as an array (..., width) of finite floats; anything else is a ValueError that names it."""
-    array = _floats(name, values, f" of shape (..., {width})")
+class Argument(NamedTuple):
+    """An array of floats that a caller gave: its name, and which numbers it may hold: "finite" ones, or a "share" in [0, 1).
+
+    Whoever reads it checks it: the loop of a kernel turn by turn, or `checked` in a pass of its own.
+    """
+
+    name: str
+    array: np.ndarray
+    kind: str
+
+    def checked(self) -> np.ndarray:
+        """The array if it holds what it may; else a ValueError that names it, and a number that is out of place."""
+        array, name = self.array, self.name
+        flat = array.reshape(-1)
+        with np.errstate(over="ignore"):
+            suspect = not math.isfinite(float(np.dot(flat, flat)))
+        if suspect and not np.isfinite(array).all():
+            at = tuple(int(k) for k in np.argwhere(~np.isfinite(array))[0])
+            raise ValueError(f"{name} must be finite, got {array[at]}" + (f" at index {at}" if at else ""))
+        if self.kind == "share" and array.size and not (array.min() >= 0 and array.max() < 1):
+            raise ValueError(f"{name} must lie in [0, 1), got {array.min()} to {array.max()}")
+        return array
+
+
+def vectors(name: str, values: Any, width: int = 3) -> Argument:
+    """The argument as an array (..., width) of floats, finite once checked; another shape is a ValueError that names it."""
+    array = _floats(name, values, width)
     if array.ndim == 0 or array.shape[-1] != width:
         raise ValueError(f"{name} must have shape (..., {width}), got shape {array.shape}")
-    return _finite(name, array)
+    return Argument(name, array, "finite")
 
 
-def as_numbers(name: str, values: Any) -> np.ndarray:
-    """The argument as an array of finite floats, of any shape."""
-    return _finite(name, _floats(name, values))
+def numbers(name: str, values: Any) -> Argument:
+    """The argument as an array of floats of any shape, finite once checked."""
+    return Argument(name, _floats(name, values), "finite")
 
 
-def _floats(name: str, values: Any, shape: str = "") -> np.ndarray:
-    """Real numbers in single or double precision; text and complex numbers are none."""
-    try:
-        array = np.asarray(values)
-        if array.dtype.kind not in "biufO":
-            raise TypeError
-        return array if array.dtype in (np.float32, np.float64) else array.astype(np.float64)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name} must be an array of numbers{shape}, got {values!r}") from None
+def uniform(name: str, values: Any) -> Argument:
+    """The argument as an array (..., 2) of floats, in [0, 1) once checked."""
+    return vectors(name, values, 2)._replace(kind="share")
 
 
-def _finite(name: str, array: np.ndarray) -> np.ndarray:
-    flat = array.reshape(-1)
-    if not math.isfinite(float(np.dot(flat, flat))) and not np.isfinite(array).all():
-        at = tuple(int(k) for k in np.argwhere(~np.isfinite(array))[0])
-        raise ValueError(f"{name} must be finite, got {array[at]}" + (f" at index {at}" if at else ""))
-    return array
+def as_vectors(name: str, values: Any, width: int = 3) -> np.ndarray:
+    """The argument as an array (..., width) of finite floats; anything else is a ValueError that names it."""
+    return vectors(name, values, width).checked()
 
 
 def as_uniform(name: str, values: Any) -> np.ndarray:
     """The argument as an array (..., 2) of numbers in [0, 1)."""
-    array = as_vectors(name, values, 2)
-    if array.size and not (array.min() >= 0 and array.max() < 1):
-        raise ValueError(f"{name} must lie in [0, 1), got {array.min()} to {array.max()}")
-    return array
+    return uniform(name, values).checked()
+
+
+def _floats(name: str, values: Any, width: int = 0) -> np.ndarray:
+    """Real numbers in single or double precision; text and complex numbers are none."""
+    try:
+        array = np.asarray(values)
+        if array.dtype in _PRECISIONS:
+            return array
+        if array.dtype.kind not in "biufO":
+            raise TypeError
+        return array.astype(np.float64)
+    except (TypeError, ValueError):
+        shape = f" of shape (..., {width})" if width else ""
+        raise ValueError(f"{name} must be an array of numbers{shape}, got {values!r}") from None
 
 
 def positive(name: str, value: Any) -> float:

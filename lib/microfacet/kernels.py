@@ -6,7 +6,8 @@ file named after its content, and compiles a loop over arrays from it. A cached 
 another text is another file.
 
 Rules for a kernel: floats only (write 2.0, not 2), no global state except float constants, tuples of floats and other
-kernels. Literals become single precision in a single-precision loop.
+kernels. Literals become single precision in a single-precision loop. It ends whatever it is given: what is no number is
+found while the loop runs.
 """
 
 from __future__ import annotations
@@ -34,10 +35,12 @@ from typing import Any, cast
 
 import numpy as np
 
+from microfacet.directions import Argument
 from microfacet.processors import threads
 
 Parameters = tuple[Any, ...]
 Single = tuple[bool, ...]
+Kinds = tuple[str, ...]
 CHUNK = 16384  # elements a thread takes at once: large enough to hide the hand-over, small enough to balance
 KEPT = 64  # sets of parameters that a loop is kept ready for
 
@@ -274,9 +277,10 @@ def shared(real: Any, straight: bool) -> Callable[[FunctionType], Any]:
 # --- from one text to a compiled loop -----------------------------------------------------------------------------
 
 
-def _loop(name: str, widths: Sequence[int], outputs: int, single: Sequence[bool]) -> str:
+def _loop(name: str, widths: Sequence[int], outputs: int, single: Sequence[bool], kinds: Sequence[str]) -> str:
     """The text of the loop over flat arrays, row after row. Of a `single` one, the first row serves every turn.
 
+    It tells whether all numbers looked as arguments of their kinds may hold them, while it has them at hand.
     Flat arrays and indices that are multiples of the counter are what the compiler needs to take several turns at once.
     """
     arrays = [f"a{k}" for k in range(len(widths))]
@@ -287,16 +291,28 @@ def _loop(name: str, widths: Sequence[int], outputs: int, single: Sequence[bool]
     call = f"{name}({', '.join([*(value for row in rows for value in row), 'p'])})"
     store = ", ".join(f"out[{outputs} * i + {c}]" for c in range(outputs))
     inputs = "types.Array(R, 1, 'C', readonly=True), " * len(widths)
-    before = "".join(f"        {line}\n" for line in [*loads, *slices])
+    once, each = (_checks([(kinds[k], row) for k, row in enumerate(rows) if single[k] is alone]) for alone in (True, False))
+    before = "".join(f"        {line}\n" for line in [*loads, *slices, "good = True", *once])
+    within = "".join(f"            {line}\n" for line in [f"{store} = {call}", *each])
     return (
         f"def compiled(p):\n"
         f"    @njit((types.intp, types.intp, {inputs}p, R[::1]), nogil=True, cache=True, error_model='numpy')\n"
         f"    def loop(start, stop, {', '.join(arrays)}, p, out):\n"
         f"{before}"
         f"        for i in range(stop - start):\n"
-        f"            {store} = {call}\n"
+        f"{within}"
+        f"        return good\n"
         f"    return loop\n"
     )
+
+
+def _checks(rows: Sequence[tuple[str, Sequence[str]]]) -> list[str]:
+    """Lines that clear `good` where a number is none that its kind allows. A sum is finite only if all its terms are; a sum
+    of finite terms may overflow: who called the loop then looks at each."""
+    finite = [value for kind, row in rows if kind for value in row]
+    shares = [value for kind, row in rows if kind == "share" for value in row]
+    lines = [f"total = {' + '.join(finite)}", "good &= total - total == R(0.0)"] if finite else []
+    return [*lines, *(f"good &= ({value} >= R(0.0)) & ({value} < R(1.0))" for value in shares)]
 
 
 def _write(text: str) -> Path:
@@ -363,60 +379,75 @@ class Batch:
 
     def __init__(self, function: Callable[..., Any], widths: Sequence[int], outputs: int = 1) -> None:
         self.function, self.widths, self.outputs = function, tuple(widths), outputs
-        self._loops: dict[tuple[type, Any, Single], Callable[..., None]] = {}
-        self._ready: dict[tuple[type, Parameters, Single], tuple[Callable[..., None], Any]] = {}
+        self._loops: dict[tuple[type, Any, Single, Kinds], Callable[..., bool]] = {}
+        self._ready: dict[tuple[type, Parameters, Single, Kinds], tuple[Callable[..., bool], Any]] = {}
 
-    def text(self, real: type, single: Single = ()) -> str:
-        """The whole program in the given precision; single: which arguments have one row for all, by default none."""
+    def text(self, real: type, single: Single = (), kinds: Kinds = ()) -> str:
+        """The whole program in the given precision.
+
+        single: which arguments have one row for all, by default none. kinds: what numbers each is checked for, by default none.
+        """
         program = _Program(real)
         name = program.add(self.function)  # type: ignore[arg-type]
         header = _HEADER.format(real=np.dtype(real).name)
-        single = single or (False,) * len(self.widths)
-        return "\n\n".join([header, *program.texts, _loop(name, self.widths, self.outputs, single)])
+        none = len(self.widths)
+        loop = _loop(name, self.widths, self.outputs, single or (False,) * none, kinds or ("",) * none)
+        return "\n\n".join([header, *program.texts, loop])
 
-    def _compiled(self, real: type, parameters: Any, single: Single) -> Callable[..., None]:
+    def _compiled(self, real: type, parameters: Any, single: Single, kinds: Kinds) -> Callable[..., bool]:
+        """The loop itself, without the dispatcher that would look at the types of what it is called with."""
         import numba
 
         kind = numba.typeof(parameters)
-        if (real, kind, single) not in self._loops:
-            module = _load(_write(self.text(real, single)))
-            self._loops[real, kind, single] = module.compiled(kind)
-        return self._loops[real, kind, single]
+        if (real, kind, single, kinds) not in self._loops:
+            module = _load(_write(self.text(real, single, kinds)))
+            (overload,) = module.compiled(kind).overloads.values()
+            self._loops[real, kind, single, kinds] = overload.entry_point
+        return self._loops[real, kind, single, kinds]
 
-    def _prepared(self, real: type, parameters: Parameters, single: Single) -> tuple[Callable[..., None], Any]:
+    def _prepared(self, real: type, parameters: Parameters, single: Single, kinds: Kinds) -> tuple[Callable[..., bool], Any]:
         """The loop, and the parameters as it takes them: found once, since that costs more than a hundred turns."""
-        if (ready := self._ready.get((real, parameters, single))) is None:
+        if (ready := self._ready.get((real, parameters, single, kinds))) is None:
             if len(self._ready) >= KEPT:
                 self._ready.clear()
             cast_ = _cast(parameters, real)
-            ready = self._ready[real, parameters, single] = self._compiled(real, cast_, single), cast_
+            ready = self._ready[real, parameters, single, kinds] = self._compiled(real, cast_, single, kinds), cast_
         return ready
 
     def __call__(self, arrays: Sequence[Any], parameters: Parameters = (), out: np.ndarray | None = None) -> Any:
-        """Apply to arrays that broadcast against each other; float32 in gives float32 out, all else is float64."""
-        inputs = [np.asarray(a) for a in arrays]
+        """Apply to arrays that broadcast against each other; float32 in gives float32 out, all else is float64.
+
+        An `Argument` among them is checked while it is read. If it holds a number that it may not, a ValueError names both,
+        and what `out` then holds is of no use.
+        """
+        inputs = [a.array if isinstance(a, Argument) else np.asarray(a) for a in arrays]
+        kinds = tuple([a.kind if isinstance(a, Argument) else "" for a in arrays])
         real = np.float32 if all(a.dtype == _SINGLE for a in inputs) else np.float64
         shapes = [a.shape[:-1] if w > 1 else a.shape for a, w in zip(inputs, self.widths, strict=True)]
-        shape = shapes[0] if all(s == shapes[0] for s in shapes) else np.broadcast_shapes(*shapes)
+        shape = shapes[0]
+        if shapes.count(shape) != len(shapes):
+            shape = np.broadcast_shapes(*shapes)
         count = math.prod(shape)
-        flat = [_flatten(a, w, s, shape, count, real) for a, w, s in zip(inputs, self.widths, shapes, strict=True)]
+        flat = [_flatten(a, w, s, shape, real) for a, w, s in zip(inputs, self.widths, shapes, strict=True)]
         full = (*shape, self.outputs) if self.outputs > 1 else shape
         result = _result(out, full, real)
-        single = tuple(count != 1 and a.size == w for a, w in zip(flat, self.widths, strict=True))
-        loop, packed_parameters = self._prepared(real, parameters, single)
+        single = tuple([count != 1 and a.size == w for a, w in zip(flat, self.widths, strict=True)])
+        loop, packed_parameters = self._prepared(real, parameters, single, kinds)
         target = result.reshape(-1)
-        _share(lambda start, stop: loop(start, stop, *flat, packed_parameters, target), count)
+        if count == 0 or not _share(lambda start, stop: loop(start, stop, *flat, packed_parameters, target), count):
+            _refuse(arrays)
         return result if full or out is not None else result[()]
 
 
 _SINGLE = np.dtype(np.float32)
 
 
-def _flatten(array: np.ndarray, width: int, own: tuple[int, ...], shape: tuple[int, ...], count: int, real: type) -> np.ndarray:
+def _flatten(array: np.ndarray, width: int, own: tuple[int, ...], shape: tuple[int, ...], real: type) -> np.ndarray:
     """The rows of the array one after another, one for all if it has only one, else one for each element of the shape."""
     if own != shape and array.size != width:
         array = np.broadcast_to(array, (*shape, width) if width > 1 else shape)
-    return np.ascontiguousarray(array, dtype=real).reshape(-1)
+    flat: np.ndarray = np.ascontiguousarray(array, real).reshape(-1)
+    return flat if flat.flags.aligned else flat.copy()
 
 
 def _result(out: np.ndarray | None, shape: tuple[int, ...], real: type) -> np.ndarray:
@@ -428,11 +459,17 @@ def _result(out: np.ndarray | None, shape: tuple[int, ...], real: type) -> np.nd
     return out
 
 
-def _share(work: Callable[[int, int], None], count: int) -> None:
-    """Run work(start, stop) over range(count), on several threads when it is worth it."""
+def _refuse(arrays: Sequence[Any]) -> None:
+    """Raise for the first argument that holds what it may not; a loop without a turn has looked at none of them."""
+    for argument in arrays:
+        if isinstance(argument, Argument):
+            argument.checked()
+
+
+def _share(work: Callable[[int, int], bool], count: int) -> bool:
+    """Whether work(start, stop) went well all over range(count), shared among several threads when it is worth it."""
     if count <= 2 * CHUNK or threads() == 1:
-        work(0, count)
-        return
+        return work(0, count)
     step = max(CHUNK, -(-count // (8 * threads())))
-    for done in [_pool().submit(work, k, min(k + step, count)) for k in range(0, count, step)]:
-        done.result()
+    parts = [_pool().submit(work, k, min(k + step, count)) for k in range(0, count, step)]
+    return all([part.result() for part in parts])  # noqa: C419 - each is waited for

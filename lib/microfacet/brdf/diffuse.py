@@ -11,7 +11,7 @@ import numpy as np
 import sympy as sp
 
 from microfacet.brdf.specular import ROUNDING
-from microfacet.directions import as_vectors, spherical
+from microfacet.directions import as_vectors, spherical, vectors
 from microfacet.geometry.slopes import P22_at_m, normals_from_slopes, normals_integral, solid_angle
 from microfacet.kernels import Batch
 from microfacet.notation import G1, G2, P22, chi, mu_i, mu_o, phi, phi_i, raw, theta_i, theta_o, wm, x, y
@@ -296,7 +296,7 @@ class Diffuse:
 
     def _by(self, counts: tuple[int, int], wo: Any, wi: Any) -> Any:
         parameters = (self.model.parameters, self.model.ndf.scale)
-        arrays = [as_vectors("wo", wo), as_vectors("wi", wi)]
+        arrays = [vectors("wo", wo), vectors("wi", wi)]
         values = matt_batch(*self._parts, counts)(arrays, parameters)
         return values * values.dtype.type(self.facet_albedo)
 

@@ -12,7 +12,7 @@ import sympy as sp
 
 from microfacet import balls
 from microfacet.brdf.ggx import lobe
-from microfacet.directions import as_uniform, as_vectors
+from microfacet.directions import uniform, vectors
 from microfacet.geometry.ggx import GGX
 from microfacet.kernels import Batch
 from microfacet.material.fresnel import Fresnel, Mirror
@@ -337,20 +337,20 @@ class Microfacet:
 
     def evaluate(self, wo: Any, wi: Any, out: np.ndarray | None = None) -> Any:
         """The BRDF, 1/sr, shapes (..., 3) -> (...); 0 if either direction is below the horizon. heitz2014."""
-        return self._evaluation([as_vectors("wo", wo), as_vectors("wi", wi)], self.parameters, out)
+        return self._evaluation([vectors("wo", wo), vectors("wi", wi)], self.parameters, out)
 
     def sample(self, wo: Any, u: Any) -> Any:
         """Light directions with density `pdf`, shapes (..., 3) and (..., 2) -> (..., 3), by visible normals where the model
         can sample them, otherwise by all normals. Some go below the horizon: their BRDF is 0, they count as lost. The zero
         vector where wo is below the horizon."""
-        wo, u = as_vectors("wo", wo), as_uniform("u", u)
+        wo, u = vectors("wo", wo), uniform("u", u)
         return _mirrored(self.model.sampler, type(self.model.ndf).sample_kernel)([wo, u], self.parameters)
 
     def pdf(self, wo: Any, wi: Any) -> Any:
         """Density of `sample` over the whole sphere, 1/sr, shapes (..., 3) -> (...)."""
         ndf = type(self.model.ndf)
         rule = normals_pdf(ndf.sample_density) if self.model.sampler is None else visible_pdf(ndf.kernel, self.model.G1_kernel)
-        return rule([as_vectors("wo", wo), as_vectors("wi", wi)], self.parameters)
+        return rule([vectors("wo", wo), vectors("wi", wi)], self.parameters)
 
     def albedo(self, wo: Any) -> Any:
         """Share of light from wo that is reflected, shapes (..., 3) -> (...), by quadrature."""
@@ -359,7 +359,7 @@ class Microfacet:
     def albedo_with_error(self, wo: Any) -> tuple[Any, Any]:
         """The albedo, and its error estimated from a coarser rule and from rounding."""
         kernels = (type(self.model.ndf).kernel, self.model.view_kernel, self.model.shadowed_kernel, type(self.fresnel).kernel)
-        both = albedo_batch(*kernels)([as_vectors("wo", wo)], (*self.parameters, self.model.ndf.scale, self.model.ndf.reach))
+        both = albedo_batch(*kernels)([vectors("wo", wo)], (*self.parameters, self.model.ndf.scale, self.model.ndf.reach))
         return both[..., 0], abs(both[..., 0] - both[..., 1]) + ROUNDING
 
     def __repr__(self) -> str:

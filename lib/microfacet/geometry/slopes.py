@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 
 import sympy as sp
 
-from microfacet.directions import as_numbers, as_uniform, as_vectors
+from microfacet.directions import numbers, uniform, vectors
 from microfacet.kernels import Batch, Parameters
 from microfacet.notation import P22, Direction, alpha_x, alpha_y, chi, raw, x, y
 from microfacet.statement import Equation
@@ -126,20 +126,20 @@ class Distribution:
 
     def D(self, wm: Any) -> Any:
         """D(wm), shapes (..., 3) -> (...), 1/sr; 0 below the horizon. heitz2014, section 2."""
-        return _over_normals(type(self).kernel)([as_vectors("wm", wm)], self.parameters)
+        return _over_normals(type(self).kernel)([vectors("wm", wm)], self.parameters)
 
     def P22(self, slope_x: Any, slope_y: Any) -> Any:
         """Density of slopes, per unit slope area; shapes broadcast. heitz2014, slope space."""
-        slopes = [as_numbers("slope_x", slope_x), as_numbers("slope_y", slope_y)]
+        slopes = [numbers("slope_x", slope_x), numbers("slope_y", slope_y)]
         return _over_slopes(_slope_density(type(self).kernel))(slopes, self.parameters)
 
     def sample(self, u: Any) -> Any:
         """Normals with density `pdf`, shapes (..., 2) -> (..., 3), for u in [0, 1)."""
-        return _sampler(type(self).sample_kernel)([as_uniform("u", u)], self.parameters)
+        return _sampler(type(self).sample_kernel)([uniform("u", u)], self.parameters)
 
     def pdf(self, wm: Any) -> Any:
         """Density of `sample`, 1/sr, shapes (..., 3) -> (...)."""
-        return _over_normals(_sampled_density(type(self).sample_density))([as_vectors("wm", wm)], self.parameters)
+        return _over_normals(_sampled_density(type(self).sample_density))([vectors("wm", wm)], self.parameters)
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({', '.join(f'{p:g}' for p in self.shown)})"

@@ -11,7 +11,7 @@ from typing import Any
 
 import sympy as sp
 
-from microfacet.directions import as_uniform, as_vectors
+from microfacet.directions import uniform, vectors
 from microfacet.geometry.slopes import Distribution, normals_integral
 from microfacet.kernels import Batch, Parameters
 from microfacet.notation import G1, D, mu_o, om, raw
@@ -80,17 +80,17 @@ class Masking:
 
     def G1(self, wo: Any, wm: Any) -> Any:
         """Share of the facets with normal wm that wo sees, in [0, 1] for a physical model; shapes (..., 3) -> (...)."""
-        return over_pairs(self.G1_kernel)([as_vectors("wo", wo), as_vectors("wm", wm)], self.parameters)
+        return over_pairs(self.G1_kernel)([vectors("wo", wo), vectors("wm", wm)], self.parameters)
 
     def G2(self, wo: Any, wi: Any, wm: Any) -> Any:
         """Share of the facets with normal wm that both wo and wi see; shapes (..., 3) -> (...)."""
-        arrays = [as_vectors("wo", wo), as_vectors("wi", wi), as_vectors("wm", wm)]
+        arrays = [vectors("wo", wo), vectors("wi", wi), vectors("wm", wm)]
         return over_triples(self.G2_kernel)(arrays, self.parameters)
 
     def D_visible(self, wo: Any, wm: Any) -> Any:
         """Distribution of the normals that wo sees, 1/sr; shapes (..., 3) -> (...). heitz2014."""
         kernel = seen_by(self.view_kernel, visible_density(self.masked_kernel, type(self.ndf).kernel))
-        return over_pairs(kernel)([as_vectors("wo", wo), as_vectors("wm", wm)], self.parameters)
+        return over_pairs(kernel)([vectors("wo", wo), vectors("wm", wm)], self.parameters)
 
     def sample_visible(self, wo: Any, u: Any) -> Any:
         """Normals distributed as `D_visible`, shapes (..., 3) and (..., 2) -> (..., 3), for u in [0, 1).
@@ -99,7 +99,7 @@ class Masking:
         """
         if self.sampler is None:
             raise ValueError(f"{self!r} has no sampler of visible normals; Smith over GGX or Beckmann has")
-        return _sampling(self.sampler)([as_vectors("wo", wo), as_uniform("u", u)], self.parameters)
+        return _sampling(self.sampler)([vectors("wo", wo), uniform("u", u)], self.parameters)
 
     @property
     def G1_kernel(self) -> Callable[..., float]:
