@@ -17,6 +17,7 @@ __version__ = "0.1.0"
 PUBLIC = {
     "Beckmann": "geometry.beckmann",
     "BlinnPhong": "geometry.blinn_phong",
+    "Compensated": "brdf.compensation",
     "Conductor": "material.fresnel",
     "Dielectric": "material.fresnel",
     "Diffuse": "brdf.diffuse",
@@ -31,6 +32,7 @@ PUBLIC = {
     "Smith": "visibility.smith",
     "VCavity": "visibility.v_cavity",
     "Ward": "geometry.ward",
+    "choose": "enough.choice",
     "equations": "statement",
     "validate": "validation.equations",
 }

@@ -1,0 +1,253 @@
+"""The light of later bounces made up for without following it: from the albedo of the first bounce alone.
+
+Either a lobe of its own is added, which depends on two cosines only and makes the albedo 1 for F = 1 (kulla2017), or the
+first bounce's lobe is made brighter by as much as it lacks (turquin2019). Neither knows where later bounces go.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from math import pi, sqrt
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from microfacet import balls
+from microfacet.brdf.specular import Microfacet, evaluation_of, mu
+from microfacet.directions import as_vectors, spherical
+from microfacet.kernels import Batch
+from microfacet.material.fresnel import F0, c, schlick_F
+from microfacet.notation import raw
+from microfacet.statement import Equation
+from microfacet.visibility.masking import over_pairs
+
+FORMS = ("lobe", "scaled")
+
+# --- statements -------------------------------------------------------------------------------------------------------
+
+E_o = raw("E_o", r"E(\theta_o)", positive=True)
+lacked = raw("lacked", r"\int_{\Omega} (1 - E(\theta_i)) \cos\theta_i \, d\omega_i", positive=True)
+E_mean, F_mean = raw("E_mean", r"\bar{E}", positive=True), raw("F_mean", r"\bar{F}", positive=True)
+F_later = raw("F_later", r"F_{+}", positive=True)
+
+
+def _lobe_steps(it: Equation) -> list[Any]:
+    """What all light lacks, by the mean albedo: either is linear in E, so that powers of the cosine suffice."""
+    n = sp.Symbol("n", positive=True)
+    all_light = sp.integrate(sp.expand(2 * sp.pi * mu * (1 - mu**n)), (mu, 0, 1))
+    mean = sp.integrate(2 * mu * mu**n, (mu, 0, 1))
+    return [sp.simplify(all_light - it.where[lacked].subs(E_mean, mean)), it.means.subs(it.where) - it.equals]
+
+
+def _scale_steps(it: Equation) -> list[Any]:
+    """At F0 = 1 the albedo becomes 1; it is linear in F0, and nothing is added to facets that are black."""
+    scale = it.equals.doit()
+    return [scale.subs(F0, 1) * E_o - 1, scale.subs(F0, 0) - 1, sp.diff(scale, F0, 2)]
+
+
+with sp.evaluate(False):
+    lobe = Equation(
+        key="brdf.compensation.lobe",
+        title="a lobe that holds what one bounce lacks",
+        symbol=raw(
+            "light_of_lobe",
+            r"\int_{\Omega} \frac{(1 - E(\theta_o)) (1 - E(\theta_i))}{\pi (1 - \bar{E})} \cos\theta_i \, d\omega_i",
+        ),
+        means=(1 - E_o) * lacked / (sp.pi * (1 - E_mean)),
+        equals=1 - E_o,
+        where={lacked: sp.pi * (1 - E_mean)},
+        over={E_o: (0.01, 0.99), E_mean: (0.01, 0.99)},
+        proof=_lobe_steps,
+        proved_by="sympy: the integral for every power of the cosine in place of E, and the mean albedo likewise",
+        slides=(73, 74, 75),
+        cite="kulla2017",
+        note="E is the albedo of one bounce for F = 1, and its mean is taken over light from everywhere.",
+    )
+    bounces = Equation(
+        key="brdf.compensation.bounces",
+        title="what facets of mean reflectance leave of the light of all later bounces",
+        symbol=F_later,
+        means=F_mean**2 * E_mean + F_mean * (1 - E_mean) * F_later,
+        equals=F_mean**2 * E_mean / (1 - F_mean * (1 - E_mean)),
+        computed_as=F_mean**2 * E_mean / ((1 - F_mean) + F_mean * E_mean),
+        where={F_later: F_mean**2 * E_mean / (1 - F_mean * (1 - E_mean))},
+        over={F_mean: (0.01, 1), E_mean: (0.01, 1)},
+        proved_by="sympy: one more bounce, of which the mean albedo leaves",
+        slides=(73, 74, 75),
+        cite="kulla2017",
+    )
+    scale = Equation(
+        key="brdf.compensation.scale",
+        title="by how much one bounce is made brighter instead",
+        symbol=raw("k_scale", r"k(\theta_o)"),
+        equals=1 + F0 * (1 - E_o) / E_o,
+        over={F0: (0.01, 1), E_o: (0.01, 1)},
+        proof=_scale_steps,
+        proved_by="sympy: linear in F0, 1 for black facets, and 1 over the albedo for perfect mirrors",
+        slides=(73, 74, 75),
+        cite="turquin2019",
+        note="Light and viewer may no longer change places.",
+    )
+    schlick_mean = Equation(
+        key="brdf.compensation.schlick",
+        title="mean of Schlick's reflectance over light from everywhere",
+        symbol=F_mean,
+        means=sp.Integral(2 * (F0 + (1 - F0) * (1 - c) ** 5) * c, (c, 0, 1)),
+        equals=F0 + (1 - F0) / 21,
+        over={F0: (0.01, 1)},
+        enclosed=lambda it: balls.agreement(it.means, it.equals, (F0,), [(0.01,), (0.5,), (1.0,)]),
+        proof=lambda it: _schlick_steps(it),
+        proved_by="sympy: Schlick's reflectance put in, then the integral",
+        slides=(73, 74, 75),
+        cite="kulla2017",
+    )
+
+
+def _schlick_steps(it: Equation) -> list[Any]:
+    (whole,) = it.means.atoms(sp.Integral)
+    return [
+        whole.function.doit() - 2 * schlick_F.equals.doit() * c,
+        sp.integrate(sp.expand(whole.function), (c, 0, 1)) - it.equals,
+    ]
+
+
+# --- the albedo of the first bounce, tabulated ----------------------------------------------------------------------------
+
+STEPS, TURNS = 24, 8  # terms of Chebyshev's series in height and in azimuth
+NODES = 48  # of the rule for means
+
+
+@cache
+def interpolation(steps: int, turns: int) -> Callable[..., float]:
+    """What one bounce lacks, 1 - E, by a series in the root of z/(z + r), r the length of the unstretched shadow, and in
+    the cosine of twice its azimuth."""
+    last_step, last_turn = steps - 1, turns - 1
+
+    def lacking(x: float, y: float, z: float, alpha_x: float, alpha_y: float, table: Any) -> float:
+        across, along = (alpha_x * x) * (alpha_x * x), (alpha_y * y) * (alpha_y * y)
+        square = across + along
+        s = 2.0 * sqrt(z / (z + sqrt(square))) - 1.0
+        w = (across - along) / square if square > 0.0 else 0.0
+        a1 = 0.0
+        a2 = 0.0
+        for k in range(last_step, -1, -1):
+            b1 = 0.0
+            b2 = 0.0
+            for j in range(last_turn, 0, -1):
+                b1, b2 = 2.0 * w * b1 - b2 + table[k * turns + j], b1
+            row = w * b1 - b2 + table[k * turns]
+            a1, a2 = (2.0 * s * a1 - a2 + row, a1) if k > 0 else (s * a1 - a2 + row, a1)
+        return a1
+
+    return lacking
+
+
+def _chebyshev(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes in (-1, 1), and the matrix that makes coefficients of values there."""
+    angle = np.pi * (np.arange(count) + 0.5) / count
+    make = np.cos(np.outer(np.arange(count), angle)) * 2 / count
+    make[0] /= 2
+    return np.cos(angle), make
+
+
+def _direction(s: Any, w: Any, alpha_x: float, alpha_y: float) -> np.ndarray:
+    """The unit vector at the given place of the table."""
+    share = ((s + 1) / 2) ** 2  # z/(z + r)
+    turn = np.arccos(np.clip(w, -1, 1)) / 2
+    r = (1 - share) / share
+    found = np.stack(
+        np.broadcast_arrays(r * np.cos(turn) / alpha_x, r * np.sin(turn) / alpha_y, np.ones_like(r * turn)), axis=-1
+    )
+    return np.asarray(found / np.linalg.norm(found, axis=-1, keepdims=True))
+
+
+def tabulated(single: Microfacet, turns: int) -> tuple[float, ...]:
+    """Coefficients of 1 - E."""
+    (s, make_s), (w, make_w) = _chebyshev(STEPS), _chebyshev(turns)
+    lacking = 1 - single.albedo(_direction(s[:, None], w, *single.model.ndf.scale))
+    return tuple(map(float, (make_s @ lacking @ make_w.T).ravel()))
+
+
+def mean_over_directions(function: Callable[[Any], Any], turns: int) -> float:
+    """Mean over light from everywhere, which counts by its cosine."""
+    x, weigh = np.polynomial.legendre.leggauss(NODES)
+    cosine, turn = (x + 1) / 2, np.pi / 2 * (np.arange(turns) + 0.5) / turns
+    values = np.asarray(function(spherical(np.arccos(cosine)[:, None], turn))).mean(axis=1)
+    return float((weigh * cosine) @ values)
+
+
+# --- the model --------------------------------------------------------------------------------------------------------
+
+
+@cache
+def compensated(single: Callable[..., float], form: str, turns: int) -> Batch:
+    """The loop of the whole BRDF. Parameters: those of the BRDF, then (alpha_x, alpha_y), the table and one factor."""
+    lacking = interpolation(STEPS, turns)
+
+    def with_lobe(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
+        if not (oz > 0.0 and iz > 0.0):
+            return 0.0
+        alpha_x, alpha_y = p[2]
+        added = lacking(ox, oy, oz, alpha_x, alpha_y, p[3]) * lacking(ix, iy, iz, alpha_x, alpha_y, p[3])
+        return single(ox, oy, oz, ix, iy, iz, p) + p[4][0] * added
+
+    def scaled(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
+        if not (oz > 0.0 and iz > 0.0):
+            return 0.0
+        alpha_x, alpha_y = p[2]
+        lost = lacking(ox, oy, oz, alpha_x, alpha_y, p[3])
+        return single(ox, oy, oz, ix, iy, iz, p) * stated_scale(p[4][0], 1.0 - lost)
+
+    return over_pairs(with_lobe if form == "lobe" else scaled)
+
+
+stated_scale = scale.scalar
+
+
+class Compensated:
+    """A BRDF of one bounce with the light of later bounces made up for. kulla2017; turquin2019.
+
+    brdf: of any model of masking. form: "lobe" adds a lobe that knows two cosines only, "scaled" makes the first bounce
+    brighter; by either the albedo is 1 for F = 1, where one bounce keeps some light. Only "lobe" lets light and viewer change
+    places. How far either is from what later bounces do is measured, not bounded: see the report. ValueError for other forms.
+    """
+
+    def __init__(self, brdf: Microfacet, form: str = "lobe") -> None:
+        if not isinstance(brdf, Microfacet):
+            raise ValueError(f"brdf must be a BRDF of one bounce such as Microfacet(Smith(GGX(0.3))), got {brdf!r}")
+        if form not in FORMS:
+            raise ValueError(f"form must be one of {', '.join(FORMS)}, got {form!r}")
+        self.brdf, self.form, self.model, self.fresnel = brdf, form, brdf.model, brdf.fresnel
+        self.mirrors = Microfacet(brdf.model)
+        alpha_x, alpha_y = brdf.model.ndf.scale
+        self.turns = 1 if alpha_x == alpha_y else TURNS
+        self.mean_albedo = mean_over_directions(self.mirrors.albedo, self.turns)
+        self.added = self._added()
+        factor = self.added / (pi * (1 - self.mean_albedo)) if form == "lobe" else self.added
+        table = tabulated(self.mirrors, self.turns)
+        self.parameters = (*brdf.parameters, (alpha_x, alpha_y), table, (factor,))
+        self._batch = compensated(evaluation_of(brdf.model, brdf.fresnel).function, form, self.turns)
+
+    def _added(self) -> float:
+        """What facets leave of the light of later bounces: by their mean reflectance, or by that at normal incidence."""
+        if self.form == "scaled":
+            return float(self.fresnel.F(1.0))
+        x, weigh = np.polynomial.legendre.leggauss(NODES)
+        cosine = (x + 1) / 2
+        return float(bounces.scalar(float((weigh * cosine) @ self.fresnel.F(cosine)), self.mean_albedo))
+
+    def evaluate(self, wo: Any, wi: Any, out: np.ndarray | None = None) -> Any:
+        """The BRDF, 1/sr, shapes (..., 3) -> (...); 0 if either direction is below the horizon."""
+        return self._batch([as_vectors("wo", wo), as_vectors("wi", wi)], self.parameters, out)
+
+    def albedo(self, wo: Any) -> Any:
+        """Share of light from wo that is reflected, shapes (..., 3) -> (...), by quadrature."""
+        once, kept = self.brdf.albedo(wo), self.mirrors.albedo(wo)
+        if self.form == "lobe":
+            return once + self.added * (1 - kept)
+        return once * np.where(kept > 0, 1 + self.added * (1 - kept) / np.where(kept > 0, kept, 1), 0)
+
+    def __repr__(self) -> str:
+        return f"Compensated({self.brdf!r}, {self.form!r})"
