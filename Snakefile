@@ -60,9 +60,27 @@ rule check:
         "python -m microfacet check {params.statements} --kept build/kept --out {output} 2> {log}"
 
 
+rule measured:
+    input:
+        script=build.TRIALS,
+        imports=build.imports(build.TRIALS),
+        measured=campaign.gathered(build.TRIALS),
+    output:
+        "build/measured.json",
+    log:
+        "build/logs/measured.log",
+    message:
+        "measure  statements on surfaces and samples"
+    conda:
+        "environment.yml"
+    shell:
+        "python -m microfacet.surface.trials {output} 2> {log}"
+
+
 rule ledger:
     input:
-        expand("build/checks/{group}.json", group=build.groups()),
+        checks=expand("build/checks/{group}.json", group=build.groups()),
+        measured="build/measured.json",
     output:
         "build/ledger.json",
     params:
@@ -74,7 +92,7 @@ rule ledger:
     conda:
         "environment.yml"
     shell:
-        "python workflow/ledger.py gather build/checks {output} 2> {log}"
+        "python workflow/ledger.py gather build/checks {input.measured} {output} 2> {log}"
 
 
 rule gate:

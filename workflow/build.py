@@ -20,6 +20,7 @@ import provenance
 import report
 
 ENDINGS = (".svg", ".pdf", ".png")
+TRIALS = Path("lib/microfacet/surface/trials.py")
 LOCK = Path(".snakemake/turn")
 held: list[Any] = []
 

@@ -2,7 +2,7 @@
 
 What every statement once reached is on record, in git; a build reads the record and never writes it.
 
-python workflow/ledger.py gather build/checks build/ledger.json
+python workflow/ledger.py gather build/checks build/measured.json build/ledger.json
 python workflow/ledger.py gate build/ledger.json records/ledger.json build/gate build/report.pdf
 """
 
@@ -27,21 +27,34 @@ def record_of(path: Path) -> dict[str, Any]:
         inventory.stop(f"The record {path} is torn: remove it, and snakemake will make it again.")
 
 
-def gather(folder: Path, out: Path) -> None:
+def gather(folder: Path, measured: Path, out: Path) -> None:
     """One entry per statement: what it says, how it was checked, and how that went."""
     found: dict[str, Any] = {}
+    trials = record_of(measured)
+    if unknown := sorted(trials.keys() - inventory.statements().keys()):
+        inventory.stop(f"{measured} measures what is not stated: {', '.join(unknown)}.")
     for key in inventory.statements():
         group = key.rpartition(".")[0]
         found |= {} if key in found else record_of(folder / f"{group}.json")
     entries = []
     for key, statement in inventory.statements().items():
-        record = found[key]
+        record = with_trial(found[key], trials.get(key))
         told = {name: statement[name] for name in ("title", "slides", "cite", "latex")}
         entries.append({"key": key, **told, **record})
     tally = {kind: sum(passed(e, kind) for e in entries) for kind in KINDS}
     ledger = {"count": len(entries), "tally": tally, "entries": entries}
     text = json.dumps(ledger, indent=1, ensure_ascii=False)
     inventory.write_atomically(out, text + "\n")
+
+
+def with_trial(record: dict[str, Any], trial: dict[str, Any] | None) -> dict[str, Any]:
+    """The record with the mark of what was measured."""
+    if trial is None:
+        return record
+    failed = trial["status"] == "fail"
+    said = f"{record.get('message') or record['key']}; measured: {trial['detail']}" if failed else record.get("message", "")
+    verdict = "fail" if failed else record["verdict"]
+    return {**record, "verdict": verdict, "message": said, "marks": {**record["marks"], "measured": trial}}
 
 
 def passed(entry: dict[str, Any], kind: str) -> bool:
@@ -87,15 +100,16 @@ def kernel_figures(measured: dict[str, Any]) -> dict[str, Any]:
     return {precision: round(found["ulps"], 2) for precision, found in measured.items()}
 
 
-def surface_figures(measured: dict[str, Any]) -> dict[str, Any]:
-    return {}
+def trial_figures(measured: dict[str, Any]) -> dict[str, Any]:
+    """How often it was looked, and how finely; odds are chance's."""
+    return {"count": measured.get("count", 1), "error": measured.get("error", 0.0)}
 
 
 FIGURES: dict[str, Callable[[dict[str, Any]], dict[str, Any]]] = {
     "symbolic": proof_figures,
     "enclosed": enclosure_figures,
     "numeric": kernel_figures,
-    "measured": surface_figures,
+    "measured": trial_figures,
 }
 
 
@@ -122,6 +136,8 @@ def fell(name: str, new: Any, old: Any) -> bool:
         return bool(new != old)
     if name == "margin":
         return bool(new < FEWER * old)
+    if name == "error":
+        return bool(new > SLACK * old)
     if name in ("claims", "count", "digits"):
         return bool(new < old)
     return bool(new > SLACK * old + 0.5)

@@ -8,8 +8,9 @@ import pytest
 from around import whole_hemisphere
 from hypothesis import given
 from hypothesis import strategies as st
+from microfacet.validation.chi_square import agreement
 from samples import LAST, LAST_SINGLE, NORMALISED, UP, uniform
-from sampling import agreement, density_times_area
+from sampling import density_times_area
 
 NARROW = [mf.GGX(0.01), mf.Beckmann(0.01, 0.3), mf.NormalizedBlinnPhong(5e3)]
 INSIDE = st.floats(0.01, 0.99)

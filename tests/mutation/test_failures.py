@@ -16,13 +16,13 @@ from typing import Any
 import microfacet as mf
 import numpy as np
 import pytest
-import sampling
 import suite
 from microfacet import checks
 from microfacet.directions import spherical
 from microfacet.geometry import ggx
 from microfacet.geometry.beckmann import beckmann_Lambda
 from microfacet.surface.trace import HeightField, Hits
+from microfacet.validation import chi_square
 from microfacet.visibility import visible_normals
 from microfacet.visibility.visible_normals import sample_beckmann, sample_ggx, unstretched
 from mutants import rebound
@@ -284,10 +284,10 @@ def test_frame_that_divides_by_z_plus_one() -> None:
 
 def test_expected_counts_integrated_too_coarsely(monkeypatch: pytest.MonkeyPatch) -> None:
     """A right sampler is rejected: the remedy is finer cells."""
-    fine = sampling.SlopeCells.shares
+    fine = chi_square.SlopeCells.shares
     model = mf.Smith(mf.Beckmann(0.05))
     assert not red("visibility/test_visible_normals:counts_follow_the_density", model, np.float64)
-    monkeypatch.setattr(sampling.SlopeCells, "shares", lambda cells, density: fine(cells, density, 1))
+    monkeypatch.setattr(chi_square.SlopeCells, "shares", lambda cells, density: fine(cells, density, 1))
     assert red("visibility/test_visible_normals:counts_follow_the_density", model, np.float64)
 
 

@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from microfacet.directions import spherical
+from microfacet.validation.chi_square import agreement
 from samples import LAST, LAST_SINGLE, UP, uniform, views
-from sampling import agreement, density_times_area
+from sampling import density_times_area
 
 SURFACES = [
     mf.GGX(0.4),

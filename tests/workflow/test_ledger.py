@@ -24,7 +24,7 @@ ENTRY = {
             "status": "pass",
             "measured": {"float64": {"ulps": 2.0, "at": "a=1"}, "float32": {"ulps": 1.5, "at": "a=1"}},
         },
-        "measured": {"status": "none", "measured": {}},
+        "measured": {"status": "pass", "measured": {"count": 7, "error": 1e-3, "odds": 0.4}},
     },
 }
 BOX = {"radius": 0.1, "low": -0.5, "high": -0.3, "count": 1, "at": "a in [0, 1]"}
@@ -55,6 +55,9 @@ def lost(now: dict[str, Any], before: dict[str, Any] = ENTRY) -> list[str]:
         ("marks.enclosed.measured.radius", 1e-30, "enclosed: digits was 40, it is 30"),
         ("marks.enclosed.measured.count", 4, "enclosed: count was 5, it is 4"),
         ("marks.numeric.measured.float64.ulps", 4.0, "numeric: float64 was 2.0, it is 4.0"),
+        ("marks.measured.status", "none", "measured: passed on record, not any more"),
+        ("marks.measured.measured.count", 6, "measured: count was 7, it is 6"),
+        ("marks.measured.measured.error", 2e-3, "measured: error was 0.001, it is 0.002"),
         ("marks.numeric.measured", {"float64": {"ulps": 2.0}}, "numeric: float32 was 1.5, it is gone"),
     ],
 )
