@@ -1,4 +1,4 @@
-"""Imports run one way: geometry -> visibility -> material -> brdf -> validation -> surface, never back.
+"""Imports run one way: geometry -> visibility -> material -> brdf -> validation -> surface -> enough, never back.
 
 A module may import its own stage and those before it; the modules at the top of the package serve
 all stages, so at import time they reach into none; plotting and motion are for figures only.
@@ -13,7 +13,7 @@ from pathlib import Path
 
 import closure
 
-STAGES = ("geometry", "visibility", "material", "brdf", "validation", "surface")
+STAGES = ("geometry", "visibility", "material", "brdf", "validation", "surface", "enough")
 FIGURES_ONLY = ("plotting", "motion")
 
 

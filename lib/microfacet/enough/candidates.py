@@ -1,0 +1,142 @@
+"""The models to choose from: one form of each part, from the crudest to the most complete."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from microfacet.brdf.random_walk import RandomWalk
+from microfacet.brdf.specular import Microfacet
+from microfacet.enough.lobes import Array, lobe_of, walked
+from microfacet.enough.scene import NORMALS, PRECISIONS, Point, Scene
+from microfacet.geometry.slopes import Distribution
+from microfacet.material.fresnel import Fresnel, Mirror, Schlick
+from microfacet.visibility.masking import Masking
+from microfacet.visibility.smith import Smith
+from microfacet.visibility.unphysical import Implicit, SchlickSmith
+from microfacet.visibility.v_cavity import VCavity
+
+Evaluate = Callable[[Any, Any], Any]
+
+
+def schlick_smith(ndf: Distribution) -> SchlickSmith:
+    """Schlick's masking with the k that suits the distribution: half of GGX's alpha, Beckmann's times sqrt(2/pi)."""
+    return SchlickSmith(ndf, max(ndf.scale) / 2 if isinstance(ndf, NORMALS["ggx"]) else None)
+
+
+MASKINGS: dict[str, tuple[str, Callable[[Any], Masking]]] = {
+    "implicit": ("implicit", Implicit),
+    "schlick": ("Schlick-Smith", schlick_smith),
+    "separable": ("Smith, separable", lambda ndf: Smith(ndf, "none")),
+    "height": ("Smith, height-correlated", Smith),
+    "v_cavity": ("V-cavities", VCavity),
+}
+COMPENSATIONS = {"none": "none", "scaled": "scaled", "walk": "random walk"}
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One form of each part, by name.
+
+    normals: "ggx" or "beckmann". masking: a key of `MASKINGS`. fresnel: "mirror", "schlick" or "exact". anisotropic: two
+    roughnesses, or their geometric mean for both. compensation: what is done about light that bounces again, a key of
+    `COMPENSATIONS`. single: whether numbers are of single precision.
+    """
+
+    normals: str
+    masking: str
+    fresnel: str
+    anisotropic: bool
+    compensation: str
+    single: bool
+
+    @property
+    def real(self) -> type:
+        return np.float32 if self.single else np.float64
+
+    def ndf(self, point: Point) -> Distribution:
+        mean = math.sqrt(point.alpha_x * point.alpha_y)
+        return NORMALS[self.normals](*((point.alpha_x, point.alpha_y) if self.anisotropic else (mean, mean)))
+
+    def reflectance(self, exact: Fresnel) -> Fresnel:
+        return Schlick(float(exact.F(1.0))) if self.fresnel == "schlick" else exact
+
+    def brdf(self, exact: Fresnel, point: Point) -> Microfacet:
+        """The BRDF without compensation."""
+        return Microfacet(MASKINGS[self.masking][1](self.ndf(point)), self.reflectance(exact))
+
+    def evaluate(self, exact: Fresnel, point: Point) -> Evaluate:
+        """The whole BRDF: (wo, wi) -> values, 1/sr."""
+        brdf = self.brdf(exact, point)
+        if self.compensation == "none":
+            return brdf.evaluate
+        if self.compensation == "scaled":
+            return scaled(brdf, float(exact.F(1.0)))
+        walk = RandomWalk(Smith(self.ndf(point)), brdf.fresnel)
+        return lambda wo, wi: walk.evaluate(wo, wi, walks=2).value
+
+    def lobe(self, scene: Scene, point: Point, walks: int) -> Array:
+        """What it sends into each bin; the random walk's own is a mean over many walks."""
+        if self.compensation == "walk":
+            return walked(scene, point, walks).lobe
+        evaluate = self.evaluate(scene.material, point)
+        return lobe_of(lambda wo, wi: evaluate(wo.astype(self.real), wi.astype(self.real)), scene, point)
+
+    @property
+    def words(self) -> str:
+        """In words, part by part."""
+        return ", ".join(self.parts())
+
+    def parts(self) -> tuple[str, ...]:
+        kind = NORMALS[self.normals].__name__ + (" of two roughnesses" if self.anisotropic else "")
+        fresnel = {"mirror": "no Fresnel", "schlick": "Schlick's Fresnel", "exact": "exact Fresnel"}[self.fresnel]
+        more = {"none": "single scattering", "scaled": "scaled", "walk": "random walk"}[self.compensation]
+        return kind, MASKINGS[self.masking][0], fresnel, more, "single precision" if self.single else "double precision"
+
+
+def scaled(brdf: Microfacet, F0: float) -> Evaluate:
+    """The BRDF made larger by what single scattering of mirrors loses from this view, as far as F0 keeps it. turquin2019."""
+    cosines = np.linspace(0.01, 1, 64)
+    kept = _kept(brdf.model, tuple(cosines))
+    factor = 1 + F0 * (1 - kept) / kept
+
+    def evaluate(wo: Any, wi: Any) -> Any:
+        values = brdf.evaluate(wo, wi)
+        return values * np.interp(wo[..., 2], cosines, factor).astype(values.dtype)
+
+    return evaluate
+
+
+@cache
+def _kept(model: Masking, cosines: tuple[float, ...]) -> Array:
+    mu = np.array(cosines)
+    return np.asarray(Microfacet(model).albedo(np.stack([np.sqrt(1 - mu**2), 0 * mu, mu], axis=-1)))
+
+
+def ladder(scene: Scene) -> list[Candidate]:
+    """All models for a scene, the crudest first: more complete distributions, maskings, ... later."""
+    first = list(NORMALS) if scene.normals == "beckmann" else list(NORMALS)[:1]
+    forms: list[list[Any]] = [
+        [one == np.float32 for one in PRECISIONS[scene.precision][::-1]],
+        list(COMPENSATIONS) if scene.bounces == "all" else ["none"],
+        [False, True] if scene.ratio[1] > 1 else [False],
+        ["mirror"] if isinstance(scene.material, Mirror) else ["schlick", "exact"],
+        list(MASKINGS),
+        first,
+    ]
+    made = [Candidate(*reversed(parts)) for parts in product(*forms)]
+    return [one for one in made if _sensible(one)]
+
+
+def _sensible(one: Candidate) -> bool:
+    """Energy is put back where it is Smith's model that lost it; and the walk is the most complete of all."""
+    if one.compensation == "none":
+        return True
+    whole = one.masking == "height"
+    return whole and (one.compensation == "scaled" or (one.fresnel != "schlick" and not one.single))

@@ -1,0 +1,399 @@
+"""The cheapest model that is near enough to the most complete one, and how it was found.
+
+Sources: heitz2016 (the random walk), turquin2019 (scaling), heitz2014 (all else).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from microfacet.brdf.specular import Microfacet
+from microfacet.directions import positive
+from microfacet.enough import cost
+from microfacet.enough.candidates import Candidate, ladder
+from microfacet.enough.lobes import Array, Reference, binned, lobe_of, nodes, rule_error, surface, walked
+from microfacet.enough.scene import NORMALS, PRECISIONS, Point, Scene
+from microfacet.visibility.smith import Smith
+
+MEASURES = {
+    "albedo": "the share of light that is reflected",
+    "lobe": "the share of the reflected light that goes elsewhere",
+    "picture": "the mean relative error of spheres under a sky with a sun",
+}
+SUN, SKY = (0.6, 0.64, 0.48), (0.3, 0.7, 5.0, 20.0)  # where it stands; ground, sky, sun, how narrow
+TURNS = 12  # places along each ring of the sphere
+SURFACES, WALKS = 8, 1 << 16
+
+
+class Error(NamedTuple):
+    """A candidate's error, and a bound on what is not known about it."""
+
+    value: float
+    bound: float
+
+
+# --- measures -------------------------------------------------------------------------------------------------------------
+
+
+def albedo_error(lobe: Array, truth: Reference) -> Error:
+    """Difference of the two sums."""
+    off = abs(float(lobe.sum() - truth.lobe.sum()))
+    return Error(off, 2 * float(truth.error(lambda lobes: lobes.sum(axis=(1, 2)))))
+
+
+def lobe_error(lobe: Array, truth: Reference) -> Error:
+    """Half the sum of all differences, over the light there is; its bound is what noise alone would give."""
+    light = max(float(truth.lobe.sum()), 1e-300)
+    noise = 0.5 * math.sqrt(2 / math.pi) * float(truth.error().sum())
+    return Error(0.5 * float(np.abs(lobe - truth.lobe).sum()) / light, noise / light)
+
+
+def sky(w: Array) -> Array:
+    """Radiance from the directions w (..., 3), y up: a sky brighter than the ground, and one broad sun."""
+    ground, above, sun, narrow = SKY
+    light: Array = ground + above * (1 + w[..., 1]) / 2 + sun * np.exp(narrow * (w @ np.array(SUN) / np.linalg.norm(SUN) - 1))
+    return light
+
+
+def _light(point: Point, scene: Scene) -> Array:
+    """Mean radiance in each bin for each place of a ring of the sphere, (TURNS, ROWS, COLUMNS), as its whole light sees it."""
+    rule = nodes(point)
+    weight = rule.weight * Microfacet(Smith(NORMALS[scene.normals](point.alpha_x, point.alpha_y))).evaluate(point.wo, rule.wi)
+    total = np.maximum(binned(weight), 1e-300)
+    theta, phi = math.radians(point.theta), math.radians(point.phi)
+    turned = rule.wi @ np.array([[math.cos(phi), -math.sin(phi), 0], [math.sin(phi), math.cos(phi), 0], [0, 0, 1]])
+    return np.array(
+        [binned(weight * sky(turned @ _axes(theta, turn))) / total for turn in 2 * math.pi * np.arange(TURNS) / TURNS]
+    )
+
+
+def _seen_under(light: Array) -> Callable[[Array], Array]:
+    """What lobes (n, ...) send to the viewer from each place, (n, TURNS)."""
+
+    def seen(lobes: Array) -> Array:
+        total: Array = np.einsum("tij,nij->nt", light, lobes)
+        return total
+
+    return seen
+
+
+def _axes(theta: float, turn: float) -> Array:
+    """Local axes, one a row, of a place on a sphere that is seen from +z: towards the view, across it, the normal."""
+    c, s = math.cos(turn), math.sin(turn)
+    towards = [-math.cos(theta) * c, -math.cos(theta) * s, math.sin(theta)]
+    return np.array([towards, [s, -c, 0], [math.sin(theta) * c, math.sin(theta) * s, math.cos(theta)]])
+
+
+class Measured(NamedTuple):
+    """A candidate: its error at the worst of all places, and its least and largest error there as far as is known."""
+
+    error: Error
+    least: float
+    most: float
+
+
+# --- comparison -----------------------------------------------------------------------------------------------------------
+
+
+class Comparison:
+    """All candidates for a scene beside the most complete model, at every point of the scene.
+
+    surfaces: ray-traced, for Gaussian slopes; walks: of light through Smith's model, for GGX. points: of the scene, by
+    default its own.
+    """
+
+    def __init__(
+        self, scene: Scene, surfaces: int = SURFACES, walks: int = WALKS, points: tuple[Point, ...] | None = None
+    ) -> None:
+        self.scene, self.surfaces, self.walks = scene, surfaces, walks
+        self.points = scene.points if points is None else points
+        self._lobes: dict[Candidate, list[Array]] = {}
+
+    @cached_property
+    def candidates(self) -> list[Candidate]:
+        return ladder(self.scene)
+
+    @cached_property
+    def truth(self) -> list[Reference]:
+        """The most complete model there is, one lobe for each point."""
+        if self.scene.normals == "beckmann":
+            return [surface(self.scene, point, self.surfaces) for point in self.points]
+        return [walked(self.scene, point, self.walks) for point in self.points]
+
+    @cached_property
+    def rule(self) -> list[float]:
+        """The error of the rule over the bins, at each point."""
+        kind = NORMALS[self.scene.normals]
+        return [rule_error(Microfacet(Smith(kind(p.alpha_x, p.alpha_y))).evaluate, self.scene, p) for p in self.points]
+
+    def lobes(self, one: Candidate) -> list[Array]:
+        if one not in self._lobes:
+            self._lobes[one] = [one.lobe(self.scene, point, self.walks) for point in self.points]
+        return self._lobes[one]
+
+    def measured(self, one: Candidate, measure: str) -> Measured:
+        """The error of a candidate over all points."""
+        if measure == "picture":
+            return self._worst([self._picture(one, group) for group in self._rings()])
+        of = {"albedo": albedo_error, "lobe": lobe_error}[measure]
+        found = [of(lobe, truth) for lobe, truth in zip(self.lobes(one), self.truth, strict=True)]
+        return self._worst([Error(e.value, e.bound + rule) for e, rule in zip(found, self.rule, strict=True)])
+
+    def _worst(self, found: Iterable[Error]) -> Measured:
+        errors = list(found)
+        worst = max(errors, key=lambda error: error.value + error.bound)
+        least = max(max(error.value - error.bound, 0.0) for error in errors)
+        return Measured(worst, least, worst.value + worst.bound)
+
+    def _rings(self) -> list[list[int]]:
+        """The points that make up one sphere: of one roughness and one azimuth."""
+        groups: dict[tuple[float, ...], list[int]] = {}
+        for at, point in enumerate(self.points):
+            groups.setdefault((point.alpha_x, point.alpha_y, point.phi), []).append(at)
+        return list(groups.values())
+
+    @cached_property
+    def _skies(self) -> list[Array]:
+        return [_light(point, self.scene) for point in self.points]
+
+    def _picture(self, one: Candidate, ring: list[int]) -> Error:
+        """Mean over a sphere of the relative error of what is seen, every ring by the area it has in the picture."""
+        theta = np.radians([self.points[at].theta for at in ring])
+        area = np.sin(2 * theta) if len(ring) > 1 else np.ones(1)
+        off, noise = np.zeros(len(ring)), np.zeros(len(ring))
+        for k, at in enumerate(ring):
+            light, truth, lobe = self._skies[at], self.truth[at], self.lobes(one)[at]
+            seen = np.einsum("tij,ij->t", light, truth.lobe)
+            scatter = truth.error(_seen_under(light))
+            off[k] = np.mean(np.abs(np.einsum("tij,ij->t", light, lobe) - seen) / seen)
+            noise[k] = np.mean(2 * scatter / seen) + self.rule[at] / max(float(truth.lobe.sum()), 1e-300)
+        return Error(float(area @ off / area.sum()), float(area @ noise / area.sum()))
+
+
+# --- the choice -----------------------------------------------------------------------------------------------------------
+
+
+class Row(NamedTuple):
+    """A candidate, its error, its nanoseconds a value (NaN if unknown), and whether it is `within`, `beyond` or `open`."""
+
+    candidate: Candidate
+    measured: Measured
+    cost: float
+    verdict: str
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What was chosen, and from what.
+
+    rows: all candidates, the cheapest first. chosen: the first that is within, or None. failed: the next cheaper one, which
+    is not. sampler: how to draw directions for the chosen one, and what that costs. reference: what errors are relative to.
+    beyond: how far the reference itself is from ray-traced surfaces of Gaussian slopes, by the same measure, if that is known.
+    """
+
+    scene: Scene
+    tolerance: float
+    measure: str
+    rows: tuple[Row, ...]
+    reference: str
+    sampler: str = ""
+    beyond: Error | None = None
+    samplers: dict[str, tuple[float, float]] = field(default_factory=dict)
+
+    @property
+    def chosen(self) -> Row | None:
+        return next((row for row in self.rows if row.verdict == "within"), None)
+
+    @property
+    def failed(self) -> Row | None:
+        """The next cheaper candidate worth having, which is not enough or not known to be; none if the cheapest is chosen.
+
+        Worth having is one that is nearer than all that are cheaper still.
+        """
+        at = next((k for k, row in enumerate(self.rows) if row.verdict == "within"), len(self.rows))
+        return min(self.rows[:at], key=lambda row: row.measured.most, default=None)
+
+    def told(self) -> str:
+        """The choice in sentences."""
+        lines = [f"{self.scene}; tolerance {self.tolerance:g} on {self.measure} ({MEASURES[self.measure]})."]
+        if self.chosen:
+            lines.append(f"Enough: {self.chosen.candidate.words}: {_numbers(self.chosen)}.")
+            lines += [f"Sampler: {self.sampler}."] if self.sampler else []
+            lines.append(
+                f"Next cheaper, {_WORDS[self.failed.verdict]}: {self.failed.candidate.words}: {_numbers(self.failed)}."
+                if self.failed
+                else "No candidate is cheaper."
+            )
+        else:
+            best = min(self.rows, key=lambda row: row.measured.most)
+            lines.append(
+                f"None of the candidates is known to be enough. The nearest: {best.candidate.words}: {_numbers(best)}."
+            )
+        lines.append(f"Errors are relative to {self.reference}.")
+        if self.beyond:
+            far = f"{self.beyond.value:.2g} ± {self.beyond.bound:.1g}"
+            lines.append(f"For Gaussian slopes of the largest roughness that model itself is {far} from ray-traced surfaces.")
+        return "\n".join(lines)
+
+    def table(self) -> str:
+        """All candidates, the cheapest first, in Markdown."""
+        head = ["", "model", "error", "±", "ns", "verdict"]
+        lines = [head, [":--", ":--", "--:", "--:", "--:", ":--"]]
+        for row in self.rows:
+            sign = {"within": "✓", "beyond": "✗", "open": "?"}[row.verdict]
+            error = row.measured.error
+            mark = "→" if row is self.chosen else ""
+            lines.append(
+                [
+                    mark,
+                    row.candidate.words,
+                    f"{error.value:.2e}",
+                    f"{error.bound:.0e}",
+                    _cost(row.cost),
+                    f"{sign} {row.verdict}",
+                ]
+            )
+        return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+    def front(self) -> list[bool]:
+        """Which rows no other beats in both error and cost."""
+        points = [(row.cost, row.measured.error.value) for row in self.rows]
+        return [not any(c <= a and e <= b and (c, e) != (a, b) for c, e in points) for a, b in points]
+
+    def chart(self, path: str | Path) -> None:
+        """Draw cost against error, with the tolerance and the front, as .svg, .pdf or .png; ValueError without matplotlib."""
+        from microfacet.enough.chart import save
+
+        save(self, Path(path))
+
+
+_WORDS = {"beyond": "and not enough", "open": "and not known to be enough"}
+
+
+def _cost(nanoseconds: float) -> str:
+    return f"{nanoseconds:.1f}" if math.isfinite(nanoseconds) else "not measured"
+
+
+def _numbers(row: Row) -> str:
+    error = row.measured.error
+    cost_ = f"{_cost(row.cost)} ns a value" if math.isfinite(row.cost) else "cost not measured"
+    return f"error {error.value:.2g} ± {error.bound:.1g}, {cost_}"
+
+
+def choose(
+    alpha: Any,
+    theta: Any = (0.0, 80.0),
+    tolerance: float = 1e-3,
+    *,
+    measure: str = "albedo",
+    costs: cost.Costs | str | None = None,
+    surfaces: int = SURFACES,
+    walks: int = WALKS,
+    **more: Any,
+) -> Choice:
+    """The cheapest model that stays within a tolerance of the most complete one, for all of a scene.
+
+    alpha: roughness, or its range. theta: range of the view's polar angle, degrees. more: ratio, light, normals, fresnel,
+    bounces, precision, as in `Scene`. tolerance: above 0, on what `measure` names: "albedo", the share of light that is
+    reflected; "lobe", the share of the reflected light that goes elsewhere, in bins; "picture", the mean relative error of
+    spheres under a sky. costs: nanoseconds by name (`microfacet.enough.cost`); None takes the record of benchmarks, and
+    where it lacks any, as in an installed library, times the candidates now; "now" does so anyway.
+
+    The most complete model has exact Fresnel reflectance at each bounce, and all bounces unless the scene says one: for
+    Gaussian slopes, so many ray-traced `surfaces`; for GGX, of which nobody has a surface, Smith's random walk, from so many
+    `walks` a point. A candidate is within if its error and the bound on what is not known of it are. ValueError for a scene
+    or a tolerance that is none. heitz2014; heitz2016.
+    """
+    positive("tolerance", tolerance)
+    if measure not in MEASURES:
+        raise ValueError(f"measure must be one of {', '.join(MEASURES)}, got {measure!r}")
+    comparison = Comparison(Scene(alpha, theta, **more), surfaces, walks)
+    known = known_costs(comparison, costs == "now") if costs is None or isinstance(costs, str) else costs
+    return choice(comparison, measure, tolerance, known, beyond=True)
+
+
+def known_costs(comparison: Comparison, now: bool = False) -> cost.Costs:
+    """The record's times if it has all that is asked for; else, or if asked to, times taken now."""
+    kept = {} if now else cost.recorded()
+    wanted = {cost.name_of(one, comparison.scene.material): one for one in comparison.candidates}
+    samplers = _samplers(comparison.scene)
+    if all(name in kept for name in [*wanted, *samplers]):
+        return kept
+    material = comparison.scene.material
+    calls = [(name, cost.evaluation(one, material, cost.COUNT)) for name, one in wanted.items()]
+    return cost.timed([*calls, *((name, cost.sampling(*form, cost.COUNT)) for name, form in samplers.items())])
+
+
+def _samplers(scene: Scene) -> dict[str, tuple[str, str, type]]:
+    """The ways to draw directions for a scene, by name."""
+    kinds = dict.fromkeys(one.normals for one in ladder(scene))
+    reals = PRECISIONS[scene.precision]
+    return {cost.sampler_name(s, kind, real): (s, kind, real) for s in cost.SAMPLERS for kind in kinds for real in reals}
+
+
+def choice(comparison: Comparison, measure: str, tolerance: float, costs: cost.Costs, beyond: bool = False) -> Choice:
+    """The choice from measured candidates; those of unknown cost come last, in their own order, the crudest first."""
+    rows = []
+    for one in comparison.candidates:
+        found = comparison.measured(one, measure)
+        verdict = "within" if found.most <= tolerance else "beyond" if found.least > tolerance else "open"
+        rows.append(Row(one, found, costs.get(cost.name_of(one, comparison.scene.material), math.nan), verdict))
+    rows.sort(key=lambda row: row.cost if math.isfinite(row.cost) else math.inf)
+    made = Choice(comparison.scene, tolerance, measure, tuple(rows), comparison.truth[0].words)
+    if made.chosen:
+        samplers = {name: sampler(comparison, made.chosen.candidate, name, costs) for name in cost.SAMPLERS}
+        made = replace(made, sampler=sampler_words(samplers), samplers=samplers)
+    return replace(made, beyond=walk_error(comparison, measure)) if beyond else made
+
+
+def sampler(comparison: Comparison, one: Candidate, name: str, costs: cost.Costs) -> tuple[float, float]:
+    """Nanoseconds for a sample and its density, and the largest mean square of its weight over all points, for the candidate.
+
+    A weight's mean square, relative to the square of its mean, is 1 for samples without noise.
+    """
+    squares = []
+    once = replace(one, compensation="none") if one.compensation == "walk" else one  # a walk's later bounces are its own
+    for point in comparison.points:
+        evaluate, pdf = once.evaluate(comparison.scene.material, point), cost.guide(name, one.normals, point).pdf
+        cosine = nodes(point).wi[:, 2]
+
+        def square(wo: Array, wi: Array, evaluate: Any = evaluate, pdf: Any = pdf, cosine: Any = cosine) -> Array:
+            values = np.asarray(evaluate(wo, wi), float)
+            density: NDArray[Any] = np.asarray(pdf(wo, wi), float)
+            return np.where(density > 0, values * values * cosine / np.where(density > 0, density, 1), 0.0)
+
+        mean = float(lobe_of(evaluate, comparison.scene, point).sum())
+        squares.append(float(lobe_of(square, comparison.scene, point).sum()) / mean**2)
+    return costs.get(cost.sampler_name(name, one.normals, one.real), math.nan), max(squares)
+
+
+def sampler_words(samplers: dict[str, tuple[float, float]]) -> str:
+    """The sampler of least time for a given noise, and both numbers of each."""
+    known = all(math.isfinite(time) for time, _ in samplers.values())
+    ranked = sorted(samplers, key=lambda name: samplers[name][0] * samplers[name][1] if known else samplers[name][1])
+    told = [
+        f"{cost.SAMPLERS[name]} ({_cost(samplers[name][0])} ns, mean square weight {samplers[name][1]:.3g})" for name in ranked
+    ]
+    return " before ".join(told)
+
+
+def walk_error(comparison: Comparison, measure: str) -> Error | None:
+    """How far the random walk is from ray-traced surfaces: Gaussian slopes of the scene's largest roughness, same views."""
+    scene = comparison.scene
+    if scene.normals == "beckmann":
+        return None
+    last = max(comparison.points, key=lambda point: (point.alpha_x, point.alpha_y))[:2]
+    points = tuple(point for point in comparison.points if point[:2] == last)
+    gaussian = Comparison(replace(scene, normals="beckmann"), comparison.surfaces, comparison.walks, points)
+    fresnel = "mirror" if scene.fresnel is None else "exact"
+    compensation = "walk" if scene.bounces == "all" else "none"
+    whole = Candidate("beckmann", "height", fresnel, scene.ratio[1] > 1, compensation, False)
+    return gaussian.measured(whole, measure).error

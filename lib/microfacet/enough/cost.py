@@ -1,0 +1,96 @@
+"""What a candidate costs: nanoseconds for one value in large arrays, from the record of benchmarks, or timed on the spot."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from microfacet.brdf.specular import Microfacet
+from microfacet.directions import spherical
+from microfacet.enough.candidates import Candidate
+from microfacet.enough.scene import NORMALS, Point
+from microfacet.material.fresnel import Conductor, Dielectric, Fresnel, Mirror
+from microfacet.visibility.smith import Smith
+from microfacet.visibility.v_cavity import VCavity
+
+QUANTITY = "models"  # the name in the record
+RECORD = Path(__file__).parents[3] / "records/benchmarks.json"  # in a checkout; an installed library has none
+SAMPLERS = {"normals": "all normals", "visible": "visible normals"}
+MATERIALS: dict[str, Fresnel] = {"mirror": Mirror(), "dielectric": Dielectric(1.5), "conductor": Conductor(0.2, 3.9)}
+TIMED = Point(0.3, 0.3, 50.0, 0.0)  # times hardly depend on roughness or view
+COUNT, ROUNDS = 1 << 15, 15
+
+Costs = Mapping[str, float]
+Call = Callable[[], Any]
+
+
+def name_of(one: Candidate, material: Fresnel) -> str:
+    """What the time of a candidate is called: the roughness and the number of roughnesses do not matter."""
+    kind = "schlick" if one.fresnel == "schlick" else type(material).__name__.lower()
+    return ".".join((one.normals, one.masking, kind, one.compensation, precision_of(one.real)))
+
+
+def sampler_name(sampler: str, normals: str, real: type) -> str:
+    return f"{normals}.{sampler}.{precision_of(real)}"
+
+
+def precision_of(real: type) -> str:
+    return "single" if real is np.float32 else "double"
+
+
+def directions(count: int, seed: int, real: type) -> Any:
+    """Directions (count, 3) of the upper hemisphere, evenly in solid angle."""
+    u = np.random.default_rng(seed).random((2, count))
+    return spherical(np.arccos(0.001 + 0.999 * u[0]), 2 * math.pi * u[1]).astype(real)
+
+
+def evaluation(one: Candidate, material: Fresnel, count: int) -> Call:
+    """A call that evaluates the candidate for so many pairs of directions."""
+    wo, wi = directions(count, 1, one.real), directions(count, 2, one.real)
+    evaluate = one.evaluate(material, TIMED)
+    return lambda: evaluate(wo, wi)
+
+
+def guide(sampler: str, normals: str, point: Point) -> Microfacet:
+    """A BRDF whose `sample` and `pdf` are those of all normals or of visible ones."""
+    ndf = NORMALS[normals](point.alpha_x, point.alpha_y)
+    return Microfacet(VCavity(ndf) if sampler == "normals" else Smith(ndf))
+
+
+def sampling(sampler: str, normals: str, real: type, count: int) -> Call:
+    """A call that draws so many directions and computes their densities."""
+    brdf, wo = guide(sampler, normals, TIMED), directions(count, 1, real)
+    u = np.minimum(np.random.default_rng(3).random((count, 2)).astype(real), np.nextafter(real(1), real(0)))
+    return lambda: brdf.pdf(wo, brdf.sample(wo, u))
+
+
+def recorded(path: Path = RECORD) -> dict[str, float]:
+    """Nanoseconds by name, from the medians on record for the largest arrays; nothing where there is no record."""
+    try:
+        kept = json.loads(path.read_text("utf-8"))
+        rows = kept.get(QUANTITY, {}).get("rows", {})
+        return {name: 1e9 * row["seconds"][-1][1] / row["sizes"][-1] for name, row in rows.items()}
+    except FileNotFoundError:
+        return {}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, IndexError) as fault:
+        raise ValueError(f"{path} is not a record of benchmarks: {type(fault).__name__}: {fault}") from None
+
+
+def timed(calls: Iterable[tuple[str, Call]], count: int = COUNT) -> dict[str, float]:
+    """Nanoseconds by name, on this machine and now: the least of some rounds in which every call runs once."""
+    jobs = dict(calls)
+    for call in jobs.values():
+        call()  # may compile
+    best = dict.fromkeys(jobs, math.inf)
+    for _ in range(ROUNDS):
+        for name, call in jobs.items():
+            begin = time.perf_counter()
+            call()
+            best[name] = min(best[name], time.perf_counter() - begin)
+    return {name: 1e9 * seconds / count for name, seconds in best.items()}

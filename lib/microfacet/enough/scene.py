@@ -1,0 +1,160 @@
+"""What a scene asks of a model: ranges of roughness and angle, the material, and whether several bounces matter."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from microfacet.directions import spherical
+from microfacet.geometry.beckmann import Beckmann
+from microfacet.geometry.ggx import GGX
+from microfacet.material.fresnel import Dielectric, Fresnel, Mirror
+
+Array = NDArray[np.float64]
+Range = tuple[float, float]
+
+NORMALS: dict[str, type[GGX] | type[Beckmann]] = {"ggx": GGX, "beckmann": Beckmann}
+PRECISIONS = {"double": (np.float64,), "single": (np.float32,), "either": (np.float64, np.float32)}
+BOUNCES = ("all", "one")
+ALPHAS, THETAS = 3, 5  # places in a range of roughness and of the view's angle that are looked at
+AZIMUTHS = (0.0, 45.0, 90.0)  # degrees, of the views of a surface that is not the same in all directions
+
+
+class Point(NamedTuple):
+    """One roughness seen from one direction: alpha_x, alpha_y, the view's polar angle and azimuth in degrees."""
+
+    alpha_x: float
+    alpha_y: float
+    theta: float
+    phi: float
+
+    @property
+    def wo(self) -> Array:
+        """The unit vector towards the viewer, (3,)."""
+        return spherical(math.radians(self.theta), math.radians(self.phi))
+
+    @property
+    def isotropic(self) -> bool:
+        return self.alpha_x == self.alpha_y
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A scene, for `choose`.
+
+    alpha: range of the larger roughness. theta: range of the view's polar angle, degrees, in [0, 90). ratio: range of the
+    larger roughness over the smaller, from 1. light: range of the light's polar angle, degrees, in [0, 90]; light from
+    elsewhere does not count. normals: the surface's distribution, "ggx" or "beckmann". fresnel: its reflectance, exact;
+    none is a perfect mirror. bounces: "all" if light that bounces several times matters, else "one". precision: "double",
+    "single", or "either". A range is two numbers, or one for both. Anything else is a ValueError of one sentence.
+    """
+
+    alpha: Any
+    theta: Any = (0.0, 80.0)
+    ratio: Any = 1.0
+    light: Any = (0.0, 90.0)
+    normals: str = "ggx"
+    fresnel: Fresnel | None = None
+    bounces: str = "all"
+    precision: str = "either"
+
+    def __post_init__(self) -> None:
+        limits = {
+            "alpha": (0.0, math.inf),
+            "theta": (-1e-300, 90.0),
+            "ratio": (1 - 1e-15, math.inf),
+            "light": (-1e-300, 90 + 1e-13),
+        }
+        for name, (above, below) in limits.items():
+            object.__setattr__(self, name, as_range(name, getattr(self, name), above, below))
+        if self.light[0] == self.light[1]:
+            raise ValueError(f"light must be a range of more than one angle, got {self.light[0]:g}")
+        for name, known in (("normals", NORMALS), ("bounces", BOUNCES), ("precision", PRECISIONS)):
+            if getattr(self, name) not in known:
+                raise ValueError(f"{name} must be one of {', '.join(known)}, got {getattr(self, name)!r}")
+        if not (self.fresnel is None or isinstance(self.fresnel, Fresnel)):
+            raise ValueError(f"fresnel must be None, Dielectric or Conductor, got {self.fresnel!r}")
+
+    @property
+    def material(self) -> Fresnel:
+        return Mirror() if self.fresnel is None else self.fresnel
+
+    @property
+    def normal_reflectance(self) -> float:
+        """What Schlick's approximation starts from."""
+        return float(self.material.F(1.0))
+
+    @cached_property
+    def points(self) -> tuple[Point, ...]:
+        """Where the models are compared: the ends of all ranges, and places between."""
+        return self.grid(ALPHAS, THETAS)
+
+    def grid(self, alphas: int, thetas: int) -> tuple[Point, ...]:
+        """So many roughnesses, in equal ratios, and so many angles, in equal steps; ratios at both ends of their range."""
+        rough = _spread(self.alpha, alphas, np.geomspace)
+        views = _spread(self.theta, thetas, np.linspace)
+        pairs = [(a, a / r) for r in dict.fromkeys(self.ratio) for a in rough]
+        return tuple(Point(x, y, theta, phi) for x, y in pairs for theta in views for phi in ((0.0,) if x == y else AZIMUTHS))
+
+    def lit(self, wi: Array) -> NDArray[np.bool_]:
+        """Which of the light directions (..., 3) lie in the scene's range."""
+        theta = np.degrees(np.arctan2(np.hypot(wi[..., 0], wi[..., 1]), wi[..., 2]))
+        inside: NDArray[np.bool_] = (theta >= self.light[0]) & (theta <= self.light[1]) & (wi[..., 2] > 0)
+        return inside
+
+    def __str__(self) -> str:
+        told = [
+            f"alpha {_words(self.alpha)}",
+            f"views {_words(self.theta)} degrees",
+            f"{self.bounces} bounce{'s' * (self.bounces == 'all')}",
+        ]
+        told += [f"ratio {_words(self.ratio)}"] if self.ratio != (1.0, 1.0) else []
+        told += [f"light {_words(self.light)} degrees"] if self.light != (0.0, 90.0) else []
+        return f"{NORMALS[self.normals].__name__}, {material_words(self.material)}, {', '.join(told)}"
+
+
+def material_words(fresnel: Fresnel) -> str:
+    """The reflectance by name: `conductor 0.2 + 3.9i`."""
+    if isinstance(fresnel, Mirror):
+        return "perfect mirrors"
+    numbers = [f"{value:g}" for value in fresnel.parameters]
+    kind = "dielectric" if isinstance(fresnel, Dielectric) else type(fresnel).__name__.lower()
+    return f"{kind} {' + '.join(numbers)}{'i' * (len(numbers) == 2)}"
+
+
+def as_range(name: str, given: Any, above: float, below: float) -> Range:
+    """Two numbers in order, above and below the bounds; one stands for both."""
+    try:
+        ends = tuple(float(one) for one in (given if isinstance(given, Sequence | np.ndarray) else (given, given)))
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be a number or a range such as (0.1, 0.3), got {given!r}") from None
+    if len(ends) != 2 or not all(map(math.isfinite, ends)):
+        raise ValueError(f"{name} must be a number or a range such as (0.1, 0.3), got {given!r}")
+    if ends[0] > ends[1]:
+        raise ValueError(f"{name} must be a range from low to high, got {ends[0]:g} to {ends[1]:g}")
+    if not (above < ends[0] and ends[1] < below):
+        raise ValueError(f"{name} must lie {BETWEEN[name]}, got {_words(ends)}")
+    return ends[0], ends[1]
+
+
+BETWEEN = {
+    "alpha": "above 0",
+    "theta": "at or above 0 and below 90 degrees",
+    "ratio": "at or above 1",
+    "light": "between 0 and 90 degrees",
+}
+
+
+def _spread(ends: Range, count: int, spacing: Any) -> list[float]:
+    """So many numbers from one end to the other, the ends exactly; one if they are the same."""
+    return [ends[0]] if ends[0] == ends[1] else [ends[0], *map(float, spacing(*ends, count)[1:-1]), ends[1]]
+
+
+def _words(ends: Sequence[float]) -> str:
+    return f"{ends[0]:g}" if ends[0] == ends[1] else f"{ends[0]:g} to {ends[1]:g}"
