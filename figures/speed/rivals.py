@@ -9,9 +9,11 @@ process of its own, or needs a compiler, has its place in yardsticks.py.
 from __future__ import annotations
 
 import rivals_brdf
+import rivals_estimate
 import rivals_fresnel
 import rivals_integral
 import rivals_masking
+import rivals_render
 import rivals_sampling
 from method import Method
 
@@ -21,4 +23,6 @@ QUANTITIES: dict[str, dict[str, Method]] = {
     "integral": rivals_integral.METHODS,
     "sampling": rivals_sampling.METHODS,
     "fresnel": rivals_fresnel.METHODS,
+    "estimate": rivals_estimate.METHODS,
+    "render": rivals_render.METHODS,
 }

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import microfacet as mf
 import numpy as np
 from method import LONG, Method, worst
+from microfacet.geometry.beckmann import Lambda as LAMBDA
 from scipy import special
 
-LAMBDA = mf.equations["visibility.beckmann.Lambda"]
 A = np.geomspace(0.01, 5, 400)
 LAMBDA_SIZES = (10**6,)
 

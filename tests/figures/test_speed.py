@@ -16,9 +16,12 @@ sys.path.insert(0, str(FOLDER))
 import bench  # noqa: E402
 import record  # noqa: E402
 import rivals  # noqa: E402
+import rivals_estimate  # noqa: E402
 import rivals_fresnel  # noqa: E402
 import rivals_integral  # noqa: E402
 import yardsticks  # noqa: E402
+from microfacet.brdf.specular import Microfacet  # noqa: E402
+from microfacet.directions import spherical  # noqa: E402
 
 FRESNEL = rivals_fresnel.METHODS
 EXACT = {"masking": 1e-6, "brdf": 2e-6, "sampling": 5e-6, "fresnel": 2e-6}
@@ -37,6 +40,35 @@ def test_rules_converge() -> None:
         assert method.error(method.sizes[-1]) < last
     assert rivals_integral.METHODS["library"].error(0) < 1e-12
     assert rivals_integral.METHODS["cubature"].error(12) < 1e-12
+
+
+@pytest.mark.parametrize("name", rivals_estimate.SAMPLERS)
+def test_samplers_draw_from_the_density_that_they_claim(name: str) -> None:
+    """Difference quotients tell exact samplers from fits, whatever is inside."""
+    fits = {"heitz_d_eon": (1e-3, 1e-2), "beckmann_jakob": (1e-7, 1e-4)}
+    least, most = fits.get(name, (0, 1e-7))
+    assert least <= rivals_estimate.apart(rivals_estimate.SAMPLERS[name]) < most
+
+
+@pytest.mark.parametrize("name", [n for n in rivals_estimate.SAMPLERS if n != "heitz_d_eon"])
+def test_weights_add_up_to_the_albedo(name: str) -> None:
+    sampler, wo, count = rivals_estimate.SAMPLERS[name], spherical(np.radians(70.0), 0.5), 40000
+    model = sampler.model(0.5, 0.3)
+    u = rivals_estimate.uniform(count, 4)
+    weights = rivals_estimate.estimates(sampler)([np.broadcast_to(wo, (count, 3)), u], model.parameters)[:, 3]
+    assert abs(weights.mean() - Microfacet(model).albedo(wo)) < 4 * weights.std() / np.sqrt(count)
+
+
+@pytest.mark.parametrize("name", ["normals", "caps", "bounded"])
+def test_the_variance_is_within_its_interval(name: str) -> None:
+    """Against midpoints over the square of the uniform numbers."""
+    sampler, theta = rivals_estimate.SAMPLERS[name], np.radians(65.0)
+    found, error = rivals_estimate.variance(sampler, 0.4, theta, each=2**10)
+    u = np.stack(np.meshgrid(*2 * [(np.arange(1000) + 0.5) / 1000]), -1).reshape(-1, 2)
+    views = np.broadcast_to(spherical(theta), (len(u), 3))
+    exact = rivals_estimate.estimates(sampler)([views, u], sampler.model(0.4).parameters)[:, 3].var()
+    assert error < 0.1 * exact
+    assert abs(found - exact) < 4 * error
 
 
 def run(monkeypatch: pytest.MonkeyPatch, path: Path, *asked: str) -> dict[str, Any]:
@@ -83,3 +115,22 @@ def test_the_front_has_what_nothing_beats() -> None:
 def test_times_of_unmeasured_methods_are_unknown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(record, "RECORD", tmp_path / "none.json")
     assert np.isnan(record.seconds("fresnel", "plain", FRESNEL["plain"])).all()
+
+
+def test_a_guest_that_is_absent_is_named_and_nothing_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(yardsticks.importlib.util, "find_spec", lambda name: None)
+    found = run(monkeypatch, tmp_path / "benchmarks.json", "brdf")
+    assert found["brdf"]["rivals"] == dict.fromkeys(yardsticks.GUESTS, "not installed")
+    assert set(rivals.QUANTITIES["brdf"]) <= set(found["brdf"]["rows"])
+
+
+def test_a_guest_that_cannot_start_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(yardsticks, "GUESTS", {"other": ("another program", "json", np.float64)})
+    jobs, refused, _ = yardsticks.guest_jobs(str(tmp_path), 100)
+    assert jobs == []
+    assert refused["other"].startswith("installed, but it ended with status 1: KeyError: 'json'")
+
+
+def test_calls_that_take_long_are_repeated_less() -> None:
+    assert bench.plan_of(lambda: None, 15)[1] == 15
+    assert bench.plan_of(lambda: bench.time.sleep(0.5), 15) == (1, 7)

@@ -49,6 +49,6 @@ SLIDES = (
     Slides(72, 72, "all equations hold for stretched surfaces", True),
     Slides(73, 75, "what the simplest model leaves out", True),
 )
-AWAITED: dict[int, str] = {15: "two renders in equal time: needs a record of run times"}
+AWAITED: dict[int, str] = {}
 """Slides with something to draw that are not drawn yet, and what they wait for. A drawn slide may not stand here."""
 MOVING = (33, 68)
