@@ -16,7 +16,7 @@ import sympy as sp
 
 from microfacet import balls
 from microfacet.brdf.specular import Microfacet, evaluation_of, mu
-from microfacet.directions import as_vectors, spherical
+from microfacet.directions import spherical, vectors
 from microfacet.kernels import Batch
 from microfacet.material.fresnel import F0, c, schlick_F
 from microfacet.notation import raw
@@ -240,7 +240,7 @@ class Compensated:
 
     def evaluate(self, wo: Any, wi: Any, out: np.ndarray | None = None) -> Any:
         """The BRDF, 1/sr, shapes (..., 3) -> (...); 0 if either direction is below the horizon."""
-        return self._batch([as_vectors("wo", wo), as_vectors("wi", wi)], self.parameters, out)
+        return self._batch([vectors("wo", wo), vectors("wi", wi)], self.parameters, out)
 
     def albedo(self, wo: Any) -> Any:
         """Share of light from wo that is reflected, shapes (..., 3) -> (...), by quadrature."""

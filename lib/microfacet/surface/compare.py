@@ -11,6 +11,8 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from microfacet.brdf.compensation import Compensated
+from microfacet.brdf.random_walk import RandomWalk
 from microfacet.brdf.specular import Microfacet
 from microfacet.directions import spherical
 from microfacet.geometry.slopes import Distribution
@@ -30,14 +32,29 @@ def models(ndf: Distribution) -> dict[str, Masking]:
 
 def lobe_of(model: Masking, wo: ArrayLike, plan: Plan) -> Array:
     """Share of the light that a model of mirrors sends from wo into each of the plan's bins, shape (t, p)."""
+    return binned(Microfacet(model), wo, plan)
+
+
+def binned(brdf: Microfacet | Compensated, wo: ArrayLike, plan: Plan) -> Array:
+    """Share of the light that a BRDF sends from wo into each of the plan's bins, shape (t, p)."""
     view = np.asarray(wo, float)
     azimuth = math.atan2(view[1], view[0])
     (theta, weigh_theta), (phi, weigh_phi) = (_rule(edges) for edges in plan.lobe_edges)
     wi = spherical(theta[:, None], azimuth + phi)
-    light = Microfacet(model).evaluate(view, wi) * np.cos(theta[:, None]) * np.sin(theta[:, None])
+    light = brdf.evaluate(view, wi) * np.cos(theta[:, None]) * np.sin(theta[:, None])
     weighted = light * weigh_theta[:, None] * weigh_phi
-    binned: Array = weighted.reshape(plan.bins[0], NODES, plan.bins[1], NODES).sum(axis=(1, 3))
-    return binned
+    summed: Array = weighted.reshape(plan.bins[0], NODES, plan.bins[1], NODES).sum(axis=(1, 3))
+    return summed
+
+
+def walked(walk: RandomWalk, wo: ArrayLike, plan: Plan, walks: int, seed: int = 0) -> Array:
+    """The same after all bounces in Smith's model, (t, p): the first one exactly, later ones where so many walks end."""
+    view = np.asarray(wo, float)
+    wi, weight, bounces = walk.sample(view, np.random.default_rng(seed).random((walks, 2)))
+    theta = np.arctan2(np.hypot(wi[:, 0], wi[:, 1]), wi[:, 2])
+    phi = np.remainder(np.arctan2(wi[:, 1], wi[:, 0]) - math.atan2(view[1], view[0]) + math.pi, 2 * math.pi) - math.pi
+    later = np.histogram2d(theta, phi, bins=plan.lobe_edges, weights=np.where(bounces > 1, weight, 0))[0] / walks
+    return binned(walk.single, view, plan) + later
 
 
 def normals_of(model: Masking, wo: ArrayLike, plan: Plan) -> Array:
@@ -73,6 +90,12 @@ def coarse(lobe: ArrayLike, rows: int, columns: int) -> Array:
         raise ValueError(f"rows and columns must divide {t} and {p}, got {rows} and {columns}")
     merged: Array = given.reshape(*others, t // rows, rows, p // columns, columns).sum(axis=(-3, -1))
     return merged
+
+
+def misplaced(measured: ArrayLike, light: ArrayLike) -> Estimate:
+    """Light in the wrong place: half the sum of the differences of the mean of measured lobes (surfaces, ...) and a model's,
+    as shares of what arrives; with its standard error. Unlike `apart` it counts light that is missing."""
+    return estimate_of(lambda lobe: 0.5 * np.abs(lobe - np.asarray(light)).sum(), measured)
 
 
 def total_variation(one: ArrayLike, other: ArrayLike) -> float:
