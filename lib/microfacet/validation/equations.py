@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from microfacet.arithmetic import two_sum
 from microfacet.brdf.specular import Microfacet
 from microfacet.directions import as_vectors, spherical
 from microfacet.geometry.slopes import Distribution
@@ -126,9 +127,12 @@ def _sums(masked: Callable[..., float], normals: Callable[..., float]) -> Callab
         if not cosine > 0.0:
             return 0.0, 0.0, 0.0
         area = masked(view, ox, oy, oz, mx, my, mz, p) * cosine * normals(mx, my, mz, p[0])
-        # the density of light directions at the mirror direction, through its half vector, times 4 wo.wm
-        ix, iy, iz = 2.0 * cosine * mx - ox, 2.0 * cosine * my - oy, 2.0 * cosine * mz - oz
-        hx, hy, hz = ox + ix, oy + iy, oz + iz
+        # the density of light directions at the mirror direction, through its half vector, times 4 wo.wm; what rounding
+        # leaves out of the light direction is kept: near grazing, the half vector is small beside it
+        ix, x_rest = two_sum(2.0 * cosine * mx, -ox)
+        iy, y_rest = two_sum(2.0 * cosine * my, -oy)
+        iz, z_rest = two_sum(2.0 * cosine * mz, -oz)
+        hx, hy, hz = ox + ix + x_rest, oy + iy + y_rest, oz + iz + z_rest
         length = sqrt(hx * hx + hy * hy + hz * hz)
         hx, hy, hz = hx / length, hy / length, hz / length
         light = reflected_density(masked(view, ox, oy, oz, hx, hy, hz, p), normals(hx, hy, hz, p[0]), oz) * 4.0 * cosine
@@ -156,14 +160,18 @@ def residuals(model: Masking, wo: Any) -> dict[str, tuple[np.ndarray, np.ndarray
     """For each of the four validation equations its relative residuals at view directions (n, 3), and their errors."""
     views, parameters = _above(wo), (model.parameters, model.ndf.scale)
     normals = type(model.ndf).kernel
-    upright = seen_batch(nothing, _upright(normals))([ABOVE], parameters)
-    sums = seen_batch(model.view_kernel, _sums(model.masked_kernel, normals))([views], parameters)
-    sums[:, [0, 3]] /= views[:, 2:]
-    pairs = {
-        "projected_area": (np.full(len(views), upright[0]), np.full(len(views), upright[3])),
-        **{name: (sums[:, k], sums[:, k + 3]) for k, name in enumerate(("visible_area", "visible_norm", "weak_furnace"))},
+    upright = seen_batch(nothing, _upright(normals), normals)([ABOVE], parameters)
+    sums = seen_batch(model.view_kernel, _sums(model.masked_kernel, normals), normals)([views], parameters)
+    rules = sums.reshape(-1, 2, 3)
+    rules[:, :, 0] /= views[:, 2:]
+    values, bounds = rules[:, 0] - 1, np.abs(rules[:, 0] - rules[:, 1]) + ROUNDING
+    projected, apart = upright[0] - 1, abs(upright[0] - upright[3]) + ROUNDING
+    return {
+        "projected_area": (np.full(len(views), projected), np.full(len(views), apart)),
+        "visible_area": (values[:, 0], bounds[:, 0]),
+        "visible_norm": (values[:, 1], bounds[:, 1]),
+        "weak_furnace": (values[:, 2], bounds[:, 2]),
     }
-    return {name: (fine - 1, np.abs(fine - coarse) + ROUNDING) for name, (fine, coarse) in pairs.items()}
 
 
 def _integral_verdict(name: str, values: np.ndarray, bounds: np.ndarray, views: np.ndarray, tolerance: float) -> Verdict:

@@ -3,8 +3,12 @@
 Slopes are turned so that q runs along the view direction: a facet is seen from its front where q < cot theta_o. The line
 q = -cot theta_o, where V-cavities begin to mask, is a panel's edge too. The nodes are
 stretched to the tails, around the ridge of a stretched isotropic distribution: by tangents, right for tails that fall as
-a power, and by inverse hyperbolic tangents, right for tails that fall exponentially. Both are tried with more and more
-nodes until two rules of one kind agree.
+a power, and by inverse hyperbolic tangents, right for tails that fall exponentially.
+
+Both kinds begin with few nodes, which suffice if the density across the view is that of GGX or a Gaussian; which kind
+goes first, a look at the tails tells. If no two of these rules agree, both kinds are tried with more and more nodes,
+without any assumption on what lies across. Along the view, nodes are those of Gauss and Legendre, and in the end across
+power tails too; across exponential tails equal steps are better still.
 """
 
 from __future__ import annotations
@@ -16,52 +20,105 @@ from typing import Any
 
 import numpy as np
 
-from microfacet.kernels import Batch
+from microfacet.kernels import Batch, ByPrecision
 
 LEVELS = (12, 16, 24, 32, 48, 64, 96)  # nodes along and across, rule after rule
-AGREED = 1e-13  # relative difference of two rules after which no third is tried
-
-
-def gauss_legendre(count: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Nodes and weights on (0, 1)."""
-    nodes, weights = np.polynomial.legendre.leggauss(count)
-    return tuple(map(float, (nodes + 1) / 2)), tuple(map(float, weights / 2))
-
-
-_RULES = [gauss_legendre(count) for count in LEVELS]
-NODES, WEIGHTS = (tuple(value for rule in _RULES for value in rule[part]) for part in (0, 1))
-STARTS = tuple(float(sum(LEVELS[:k])) for k in range(len(LEVELS) + 1))  # where each rule begins
+FIRST_HEAVY = ((10, 3), (12, 4), (14, 5), (16, 6))  # nodes along and across of the first rules, for tails of a power
+FIRST_LIGHT = ((20, 2), (24, 3), (30, 2), (36, 3))  # and for exponential ones; the last two for one panel, from tail to tail
+AGREED = ByPrecision(5e-13, 2e-6)  # relative difference of two rules after which no third is tried
 LIGHT = 3.0  # inverse hyperbolic tangents of nodes are stretched by this: the one best for a Gaussian
+NEAREST, FARTHEST = 5.5, 7.5  # where equal steps across exponential tails end, from the first rule to the last
+BEYOND = ByPrecision(1.0 - 1e-9, 1.0 - 1e-5)  # an edge of visibility at this share or farther is beyond all tails of a power,
+BEYOND_LIGHT = 0.995  # and at this one, nine scales out, beyond exponential ones
+PROBE, FALLEN = 4.0, 1e-4  # tails are exponential if at so many scales the density has fallen below this
+
+Three = tuple[float, float, float]
+Six = tuple[float, float, float, float, float, float]
+Nodes = tuple[np.ndarray, np.ndarray]
 
 
-def _across(light: bool) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Slopes across, in units of their scale, and their weights."""
-    nodes, weights = 2 * np.array(NODES) - 1, 2 * np.array(WEIGHTS)
-    if light:
-        return tuple(LIGHT * np.arctanh(nodes)), tuple(weights * LIGHT / (1 - nodes**2))
-    return tuple(np.tan(np.pi / 2 * nodes)), tuple(weights * np.pi / 2 / np.cos(np.pi / 2 * nodes) ** 2)
+def gauss_legendre(count: int) -> Nodes:
+    """Nodes and weights on (-1, 1)."""
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    return nodes, weights
 
 
-ACROSS, PORTIONS = (heavy + light for heavy, light in zip(_across(False), _across(True), strict=True))
-TOTAL = sum(LEVELS)
+def periodic(count: int) -> Nodes:
+    """Tangents of equal steps of half a turn: exact for GGX."""
+    angles = np.pi * ((np.arange(count) + 0.5) / count - 0.5)
+    return np.tan(angles), np.pi / count / np.cos(angles) ** 2
+
+
+def legendre_tangents(count: int) -> Nodes:
+    """Tangents of Gauss-Legendre nodes of half a turn."""
+    nodes, weights = gauss_legendre(count)
+    return np.tan(np.pi / 2 * nodes), weights * np.pi / 2 / np.cos(np.pi / 2 * nodes) ** 2
+
+
+def hermite(count: int) -> Nodes:
+    """Gauss-Hermite, with the exponential put back: exact for a Gaussian times a polynomial."""
+    nodes, weights = np.polynomial.hermite.hermgauss(count)
+    return nodes, weights * np.exp(nodes**2)
+
+
+def equal_steps(count: int) -> Nodes:
+    """Midpoints of equal steps; the more there are, the farther they go, so that a tail cut off shows as a difference."""
+    reach = NEAREST + (FARTHEST - NEAREST) * LEVELS.index(count) / (len(LEVELS) - 1)
+    nodes = reach * (2 * (np.arange(count) + 0.5) / count - 1)
+    return nodes, np.full(count, 2 * reach / count)
+
+
+def _joined(rules: list[Nodes]) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:
+    """Nodes and weights of all rules one after another, and where each begins."""
+    starts = np.cumsum([0, *(len(nodes) for nodes, _ in rules)])
+    nodes, weights = (np.concatenate([rule[part] for rule in rules]) for part in (0, 1))
+    return tuple(map(float, nodes)), tuple(map(float, weights)), tuple(map(float, starts))
+
+
+# the first rules of the two kinds, then those of each level
+RULES = [
+    *((gauss_legendre(along), periodic(across)) for along, across in FIRST_HEAVY),
+    *((gauss_legendre(along), hermite(across)) for along, across in FIRST_LIGHT),
+    *((gauss_legendre(count), legendre_tangents(count)) for count in LEVELS),
+    *((gauss_legendre(max(count, FIRST_LIGHT[0][0])), equal_steps(count)) for count in LEVELS),
+]
+FEW, HIGH = len(FIRST_HEAVY), len(LEVELS) - 3  # the last three levels come when both kinds have failed
+HEAVY_LEVELS = 2 * FEW
+LIGHT_LEVELS = HEAVY_LEVELS + len(LEVELS)
+FOR_LIGHT = tuple(float(FEW <= rule < HEAVY_LEVELS or rule >= LIGHT_LEVELS) for rule in range(len(RULES)))
+
+
+def schedule() -> tuple[float, ...]:
+    """The rules in the order in which they are tried if tails of a power are likely, then if exponential ones are."""
+    heavy = [*range(FEW), *range(HEAVY_LEVELS, HEAVY_LEVELS + HIGH)]
+    light = [*range(FEW, 2 * FEW), *range(LIGHT_LEVELS, LIGHT_LEVELS + HIGH)]
+    last = [(HEAVY_LEVELS + k, LIGHT_LEVELS + k) for k in range(HIGH, len(LEVELS))]
+    heavy_first = heavy + light + [rule for pair in last for rule in pair]
+    light_first = light + heavy + [rule for pair in last for rule in reversed(pair)]
+    return tuple(map(float, heavy_first + light_first))
+
+
+SCHEDULE = schedule()
+TURNS = len(RULES)
+NODES, WEIGHTS, STARTS = _joined([rule[0] for rule in RULES])
+ONE_PANEL = 2  # the rule to begin with if no facet that counts is turned away
+UNKNOWN = float("nan")
+ACROSS, PORTIONS, ACROSS_STARTS = _joined([rule[1] for rule in RULES])
 
 
 @cache
-def seen_integrals(
-    view: Callable[..., float], integrand: Callable[..., tuple[float, float, float]]
-) -> Callable[..., tuple[float, float, float]]:
-    """The kernel of three integrals of integrand(view(o, p), o, m, p) over the normals m with wo.wm > 0.
+def slope_strip(integrand: Callable[..., Three]) -> Callable[..., Three]:
+    """The kernel of three integrals of integrand(view, o, m, p) over the normals m between two slopes along the view.
 
-    low, high: which of `NODES` to take, along and across. light: 1 for tails that fall exponentially, 0 for a power of the
-    slope. Parameters: (p, scale), where p goes to the integrand and scale
-    holds the two slope scales.
+    rule: which of `RULES`. light: whether it is one for tails that fall exponentially. view: what the model needs to know
+    of the direction o, whose azimuth has cosine c and sine s. start, stop: the slopes, as shares of a quarter turn or as
+    tanh. Parameters: (p, scale), where p goes to the integrand and scale holds the two slope scales.
     """
 
     def strip(
-        low: int,
-        high: int,
-        light: float,
-        known: float,
+        rule: int,
+        light: bool,
+        view: float,
         ox: float,
         oy: float,
         oz: float,
@@ -70,17 +127,15 @@ def seen_integrals(
         start: float,
         stop: float,
         p: Any,
-    ) -> tuple[float, float, float]:
-        """The part of the integrals between two slopes along the view, given as shares of a quarter turn or as tanh."""
+    ) -> Three:
         alpha_x, alpha_y = p[1]
         along = sqrt((c * alpha_x) * (c * alpha_x) + (s * alpha_y) * (s * alpha_y))
         aside = alpha_x * alpha_y / along
         shift = s * c * (alpha_y * alpha_y - alpha_x * alpha_x) / (along * along)
-        offset = TOTAL if light > 0.5 else 0
         first, second, third = 0.0, 0.0, 0.0
-        for k in range(low, high):
-            share = start + (stop - start) * NODES[k]
-            if light > 0.5:
+        for k in range(int(STARTS[rule]), int(STARTS[rule + 1])):
+            share = start + (stop - start) * (0.5 + 0.5 * NODES[k])
+            if light:
                 q = along * LIGHT * atanh(share)
                 widening = aside
                 stretch = along * LIGHT / (1.0 - share * share)
@@ -89,29 +144,37 @@ def seen_integrals(
                 q = along * tan(angle)
                 widening = aside / cos(angle)
                 stretch = along * 0.5 * pi / (cos(angle) * cos(angle))
-            strong = WEIGHTS[k] * stretch * widening
-            for j in range(low, high):
-                r = shift * q + widening * ACROSS[offset + j]
+            strong = 0.5 * WEIGHTS[k] * stretch * widening
+            for j in range(int(ACROSS_STARTS[rule]), int(ACROSS_STARTS[rule + 1])):
+                r = shift * q + widening * ACROSS[j]
                 x, y = c * q - s * r, s * q + c * r
                 m = 1.0 / sqrt(1.0 + x * x + y * y)
-                weight = strong * PORTIONS[offset + j] * (m * m * m)
-                f, g, h = integrand(known, ox, oy, oz, -x * m, -y * m, m, p[0])
+                weight = strong * PORTIONS[j] * (m * m * m)
+                f, g, h = integrand(view, ox, oy, oz, -x * m, -y * m, m, p[0])
                 first, second, third = first + weight * f, second + weight * g, third + weight * h
         return first * (stop - start), second * (stop - start), third * (stop - start)
 
-    def integrals(low: int, high: int, light: float, ox: float, oy: float, oz: float, p: Any) -> tuple[float, float, float]:
+    return strip
+
+
+@cache
+def seen_integrals(integrand: Callable[..., Three]) -> Callable[..., Three]:
+    """The kernel of the integrals by one rule over all normals with wo.wm > 0; see `slope_strip`."""
+    strip = slope_strip(integrand)
+
+    def integrals(rule: int, light: bool, view: float, ox: float, oy: float, oz: float, p: Any) -> Three:
         across = sqrt(ox * ox + oy * oy)
         c = ox / across if across > 0.0 else 1.0
         s = oy / across if across > 0.0 else 0.0
         along = sqrt((c * p[1][0]) * (c * p[1][0]) + (s * p[1][1]) * (s * p[1][1]))
         slope = oz / (across * along) if across > 0.0 else 1e30
-        edge = tanh(slope / LIGHT) if light > 0.5 else atan(slope) / (0.5 * pi)
-        known = view(ox, oy, oz, p[0])
+        edge = tanh(slope / LIGHT) if light else atan(slope) / (0.5 * pi)
+        edge = 1.0 if edge > (BEYOND_LIGHT if light else BEYOND) else edge
         f1, g1, h1, f2, g2, h2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for part in range(2):
             start, stop = (-1.0, -edge) if part == 0 else (-edge, edge)
             if stop > start:
-                f1, g1, h1 = strip(low, high, light, known, ox, oy, oz, c, s, start, stop, p)
+                f1, g1, h1 = strip(rule, light, view, ox, oy, oz, c, s, start, stop, p)
                 f2, g2, h2 = f2 + f1, g2 + g1, h2 + h1
         return f2, g2, h2
 
@@ -119,31 +182,85 @@ def seen_integrals(
 
 
 @cache
-def seen_batch(view: Callable[..., float], integrand: Callable[..., tuple[float, float, float]]) -> Batch:
-    """The last two rules over arrays of view directions: (..., 3) -> (..., 6), the one of more nodes first."""
-    integrals = seen_integrals(view, integrand)
+def hidden_integrals(integrand: Callable[..., Three]) -> Callable[..., Three]:
+    """The same over all normals with wo.wm < 0."""
+    strip = slope_strip(integrand)
 
-    def both(ox: float, oy: float, oz: float, p: Any) -> tuple[float, float, float, float, float, float]:
-        heavy = integrals(0, int(STARTS[1]), 0.0, ox, oy, oz, p)
-        light = integrals(0, int(STARTS[1]), 1.0, ox, oy, oz, p)
-        before = heavy
-        for k in range(1, 7):
-            low, high = int(STARTS[k]), int(STARTS[k + 1])
-            before, heavy = heavy, integrals(low, high, 0.0, ox, oy, oz, p)
-            if agree(before, heavy):
+    def integrals(rule: int, light: bool, view: float, ox: float, oy: float, oz: float, p: Any) -> Three:
+        across = sqrt(ox * ox + oy * oy)
+        c, s = ox / across, oy / across
+        along = sqrt((c * p[1][0]) * (c * p[1][0]) + (s * p[1][1]) * (s * p[1][1]))
+        slope = oz / (across * along)
+        exponential = light and tanh(slope / LIGHT) < BEYOND
+        edge = tanh(slope / LIGHT) if exponential else atan(slope) / (0.5 * pi)
+        return strip(rule, exponential, view, ox, oy, oz, c, s, edge, 1.0, p)
+
+    return integrals
+
+
+@cache
+def light_tails(normals: Callable[..., float]) -> Callable[..., bool]:
+    """The kernel that looks whether a density of slopes has all but vanished at a few scales along each axis."""
+
+    def light_tails(p: Any) -> bool:
+        centre, tail = 0.0, 0.0
+        for k in range(3):
+            x = PROBE * p[1][0] if k == 1 else 0.0
+            y = PROBE * p[1][1] if k == 2 else 0.0
+            m = 1.0 / sqrt(1.0 + x * x + y * y)
+            density = normals(-x * m, -y * m, m, p[0]) * ((m * m) * (m * m))
+            centre = density if k == 0 else centre
+            tail = 0.0 if k == 0 else tail + density
+        return tail < FALLEN * centre
+
+    return light_tails
+
+
+@cache
+def settled(integrals: Callable[..., Three]) -> Callable[..., Six]:
+    """The kernel that goes from rule to rule until two agree, and returns them: first that of more nodes.
+
+    begin: the first rules to pass over. guess: whether exponential tails are likely. floor: what the integrals are added
+    to, so that they need no more digits than the sum has.
+    """
+
+    def settled(begin: int, guess: bool, floor: float, view: float, ox: float, oy: float, oz: float, p: Any) -> Six:
+        heavy, steps = (UNKNOWN, UNKNOWN, UNKNOWN), (UNKNOWN, UNKNOWN, UNKNOWN)
+        coarse, fine = heavy, heavy
+        for turn in range(begin, TURNS):
+            rule = int(SCHEDULE[turn + TURNS if guess else turn])
+            light = FOR_LIGHT[rule] > 0.5
+            fine = integrals(rule, light, view, ox, oy, oz, p)
+            coarse = steps if light else heavy
+            if agree(coarse, fine, floor):
                 break
-            coarse, light = light, integrals(low, high, 1.0, ox, oy, oz, p)
-            if agree(coarse, light):
-                before, heavy = coarse, light
-                break
-        return heavy[0], heavy[1], heavy[2], before[0], before[1], before[2]
+            steps = fine if light else steps
+            heavy = heavy if light else fine
+        return fine[0], fine[1], fine[2], coarse[0], coarse[1], coarse[2]
+
+    return settled
+
+
+@cache
+def seen_batch(view: Callable[..., float], integrand: Callable[..., Three], normals: Callable[..., float]) -> Batch:
+    """The last two rules over arrays of view directions: (..., 3) -> (..., 6), the one of more nodes first.
+
+    view, integrand: see `slope_strip`. normals: the kernel of D, to which p[0] goes as its parameters.
+    """
+    settle, fall = settled(seen_integrals(integrand)), light_tails(normals)
+
+    def both(ox: float, oy: float, oz: float, p: Any) -> Six:
+        guess = fall((p[0][0], p[1]))
+        across = sqrt(ox * ox + oy * oy)
+        whole = guess and oz > FARTHEST * max(p[1][0], p[1][1]) * across
+        return settle(ONE_PANEL if whole else 0, guess, 0.0, view(ox, oy, oz, p[0]), ox, oy, oz, p)
 
     return Batch(both, [3], 6)
 
 
-def agree(coarse: tuple[float, float, float], fine: tuple[float, float, float]) -> bool:
+def agree(coarse: Three, fine: Three, floor: float) -> bool:
     return (
-        abs(coarse[0] - fine[0]) <= AGREED * abs(fine[0])
-        and abs(coarse[1] - fine[1]) <= AGREED * abs(fine[1])
-        and abs(coarse[2] - fine[2]) <= AGREED * abs(fine[2])
+        abs(coarse[0] - fine[0]) <= AGREED * (floor + abs(fine[0]))
+        and abs(coarse[1] - fine[1]) <= AGREED * (floor + abs(fine[1]))
+        and abs(coarse[2] - fine[2]) <= AGREED * (floor + abs(fine[2]))
     )

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from math import atan2, cos, pi, sqrt, tan
+from math import atan, atan2, cos, pi, sqrt, tan
 from typing import Any
 
-import numpy as np
 import sympy as sp
 
 from microfacet import balls
@@ -19,6 +18,17 @@ from microfacet.notation import P2, Lambda_o, alpha, alpha_x, alpha_y, chi, mu_o
 from microfacet.notation import alpha_o as roughness_o
 from microfacet.proofs import grounded
 from microfacet.statement import Equation
+from microfacet.validation.quadrature import (
+    AGREED,
+    HEAVY_LEVELS,
+    LIGHT_LEVELS,
+    NODES,
+    STARTS,
+    WEIGHTS,
+    hidden_integrals,
+    light_tails,
+    settled,
+)
 from microfacet.visibility import shadowing
 from microfacet.visibility.masking import Masking, hidden, seen
 from microfacet.visibility.visible_normals import sample_beckmann, sample_ggx
@@ -185,69 +195,75 @@ def _projection_steps() -> list[Any]:
 
 # --- Lambda by quadrature, for any distribution -----------------------------------------------------------------------
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
-NODES = tuple(float(v) for v in (_NODES + 1) / 2)
-WEIGHTS = tuple(float(v) for v in _WEIGHTS / 2)
+
+@cache
+def _hiding(D: Callable[..., float]) -> Callable[..., tuple[float, float, float]]:
+    """What a facet hides: the projected area that it turns away."""
+
+    def hiding(
+        view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any
+    ) -> tuple[float, float, float]:
+        return max(-(ox * mx + oy * my + oz * mz), 0.0) * D(mx, my, mz, p[0]), 0.0, 0.0
+
+    return hiding
 
 
 @cache
 def quadrature_Lambda(D: Callable[..., float]) -> Callable[..., float]:
-    """Lambda(x, y, z, (parameters, scale)) of any distribution: Gauss-Legendre over the half-plane of hidden slopes.
+    """Lambda(x, y, z, (parameters, scale)) of any distribution: the integral over the half-plane of hidden slopes.
 
-    Slopes along the view: q = cot + alpha_o (tan w - tan w0); across: around the conditional mean of a stretched isotropic
-    distribution, in units that widen with q, which is exact for GGX's tails.
+    By the rules of the validation: from few nodes on until two rules agree in 1 + Lambda.
     """
+    settle, fall = settled(hidden_integrals(_hiding(D))), light_tails(D)
 
     def tail_Lambda(x: float, y: float, z: float, p: Any) -> float:
-        across = sqrt(x * x + y * y)
-        if across == 0.0:
+        if x * x + y * y == 0.0:
             return 0.0
-        alpha_x, alpha_y = p[1]
-        c, s = x / across, y / across
-        along = sqrt((c * alpha_x) * (c * alpha_x) + (s * alpha_y) * (s * alpha_y))
-        aside = alpha_x * alpha_y / along
-        shift = s * c * (alpha_y * alpha_y - alpha_x * alpha_x) / (along * along)
-        start = abs(z) / across
-        first = atan2(start, along)
-        total = 0.0
-        for k in range(64):
-            angle = first + (0.5 * pi - first) * NODES[k]
-            q = along * tan(angle)
-            widening = aside / cos(angle)
-            inner = 0.0
-            for j in range(64):
-                turn = pi * (NODES[j] - 0.5)
-                r = shift * q + widening * tan(turn)
-                slope_x, slope_y = c * q - s * r, s * q + c * r
-                m = 1.0 / sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
-                density = D(-slope_x * m, -slope_y * m, m, p[0]) * ((m * m) * (m * m))
-                inner += WEIGHTS[j] * density / (cos(turn) * cos(turn))
-            total += WEIGHTS[k] * (q - start) * inner * pi * widening * along / (cos(angle) * cos(angle))
-        return total * (0.5 * pi - first) / start
+        inner = ((p[0], ()), p[1])
+        return settle(0, fall(p), abs(z), 0.0, x, y, abs(z), inner)[0] / abs(z)
 
     return tail_Lambda
+
+
+def bend(t: float) -> float:
+    """1 - atan(t)/t for t above 0, by its series where the two are near."""
+    if t > 0.125:
+        return 1.0 - atan(t) / t
+    s = t * t
+    series = 1.0 / 13.0 - s / 15.0
+    for k in range(11, 1, -2):
+        series = 1.0 / k - s * series
+    return s * series
 
 
 @cache
 def radial_Lambda(D: Callable[..., float]) -> Callable[..., float]:
     """Lambda of a distribution without a preferred azimuth: the integral over azimuth is done, one over slopes is left.
 
-    Slopes of length sqrt(c^2 + s^2), c = cot theta_o, hide 2 (s - c atan(s/c)) in all; s = alpha tan w.
+    Slopes of length sqrt(c^2 + s^2), c = cot theta_o, hide 2 s (1 - atan(s/c)/(s/c)) in all; s is the tangent of an
+    angle times a width. More and more nodes are taken until two rules agree.
     """
+
+    fall = light_tails(D)
 
     def ring_Lambda(x: float, y: float, z: float, p: Any) -> float:
         across = sqrt(x * x + y * y)
         if across == 0.0:
             return 0.0
-        c = abs(z) / across
-        total = 0.0
-        for k in range(64):
-            angle = 0.5 * pi * NODES[k]
-            s = p[1][0] * tan(angle)
-            m = 1.0 / sqrt(1.0 + c * c + s * s)
-            density = D(sqrt(c * c + s * s) * m, 0.0, m, p[0]) * ((m * m) * (m * m))
-            total += WEIGHTS[k] * density * s * (s - c * atan2(s, c)) / (cos(angle) * cos(angle))
-        return total * pi * p[1][0] / c
+        c, alpha = abs(z) / across, p[1][0]
+        width = alpha if fall(p) else sqrt(alpha * alpha + c * c)
+        before, total = 0.0, 0.0
+        for rule in range(HEAVY_LEVELS, LIGHT_LEVELS):
+            before, total = total, 0.0
+            for k in range(int(STARTS[rule]), int(STARTS[rule + 1])):
+                angle = 0.25 * pi * (1.0 + NODES[k])
+                s = width * tan(angle)
+                m = 1.0 / sqrt(1.0 + c * c + s * s)
+                density = D(sqrt(c * c + s * s) * m, 0.0, m, p[0]) * ((m * m) * (m * m))
+                total += 0.5 * pi * width * WEIGHTS[k] * density * s * s * bend(s / c) / (cos(angle) * cos(angle))
+            if rule > HEAVY_LEVELS and abs(total - before) <= AGREED * (c + total):
+                break
+        return total / c
 
     return ring_Lambda
 
