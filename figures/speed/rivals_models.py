@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 from method import Method
-from microfacet.brdf import random_walk
-from microfacet.enough import candidates, cost
+from microfacet.brdf import compensation, random_walk, specular
+from microfacet.enough import cost
 from microfacet.enough.candidates import Candidate, ladder
 from microfacet.enough.scene import NORMALS, PRECISIONS, Scene
 from microfacet.material.fresnel import Fresnel
@@ -21,8 +21,9 @@ SIZES, WALK_SIZES = (10**6,), (10**4,)
 
 
 def _code(one: Candidate, material: Fresnel) -> tuple[Any, ...]:
-    more = {"none": (), "scaled": (candidates.scaled,), "walk": (random_walk.connections,)}[one.compensation]
-    return one.brdf(material, cost.TIMED)._evaluation, *more
+    more = {"none": (), "walk": (random_walk.connections,)}.get(one.compensation, (compensation.compensated,))
+    brdf = one.brdf(material, cost.TIMED)
+    return type(brdf.model.ndf), type(brdf.model), type(brdf.fresnel), specular.evaluation_of, *more
 
 
 def _error(one: Candidate, material: Fresnel) -> Callable[[int], float]:
@@ -45,7 +46,9 @@ def _sampler(sampler: str, normals: str, real: type) -> Method:
     guide = cost.guide(sampler, normals, cost.TIMED)
     words = f"{NORMALS[normals].__name__}, {cost.SAMPLERS[sampler]}, {cost.precision_of(real)}"
     code = (type(guide.model.ndf), guide.model.sampler or type(guide.model.ndf).sample_kernel)
-    return Method(words, lambda size: cost.sampling(sampler, normals, real, size), lambda size: float(np.finfo(real).eps), SIZES, code)
+    return Method(
+        words, lambda size: cost.sampling(sampler, normals, real, size), lambda size: float(np.finfo(real).eps), SIZES, code
+    )
 
 
 # Scenes over Gaussian slopes have all distributions among their models

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import lru_cache
 from itertools import product
 from typing import Any
 
 import numpy as np
 
+from microfacet.brdf.compensation import Compensated
 from microfacet.brdf.random_walk import RandomWalk
 from microfacet.brdf.specular import Microfacet
 from microfacet.enough.lobes import Array, lobe_of, walked
@@ -37,7 +38,7 @@ MASKINGS: dict[str, tuple[str, Callable[[Any], Masking]]] = {
     "height": ("Smith, height-correlated", Smith),
     "v_cavity": ("V-cavities", VCavity),
 }
-COMPENSATIONS = {"none": "none", "scaled": "scaled", "walk": "random walk"}
+COMPENSATIONS = {"none": "single scattering", "scaled": "scaled", "lobe": "lobe added", "walk": "random walk"}
 
 
 @dataclass(frozen=True)
@@ -76,8 +77,8 @@ class Candidate:
         brdf = self.brdf(exact, point)
         if self.compensation == "none":
             return brdf.evaluate
-        if self.compensation == "scaled":
-            return scaled(brdf, float(exact.F(1.0)))
+        if self.compensation != "walk":
+            return _compensated(self, exact, point._replace(theta=0.0, phi=0.0)).evaluate
         walk = RandomWalk(Smith(self.ndf(point)), brdf.fresnel)
         return lambda wo, wi: walk.evaluate(wo, wi, walks=2).value
 
@@ -96,27 +97,19 @@ class Candidate:
     def parts(self) -> tuple[str, ...]:
         kind = NORMALS[self.normals].__name__ + (" of two roughnesses" if self.anisotropic else "")
         fresnel = {"mirror": "no Fresnel", "schlick": "Schlick's Fresnel", "exact": "exact Fresnel"}[self.fresnel]
-        more = {"none": "single scattering", "scaled": "scaled", "walk": "random walk"}[self.compensation]
-        return kind, MASKINGS[self.masking][0], fresnel, more, "single precision" if self.single else "double precision"
+        return (
+            kind,
+            MASKINGS[self.masking][0],
+            fresnel,
+            COMPENSATIONS[self.compensation],
+            "single precision" if self.single else "double precision",
+        )
 
 
-def scaled(brdf: Microfacet, F0: float) -> Evaluate:
-    """The BRDF made larger by what single scattering of mirrors loses from this view, as far as F0 keeps it. turquin2019."""
-    cosines = np.linspace(0.01, 1, 64)
-    kept = _kept(brdf.model, tuple(cosines))
-    factor = 1 + F0 * (1 - kept) / kept
-
-    def evaluate(wo: Any, wi: Any) -> Any:
-        values = brdf.evaluate(wo, wi)
-        return values * np.interp(wo[..., 2], cosines, factor).astype(values.dtype)
-
-    return evaluate
-
-
-@cache
-def _kept(model: Masking, cosines: tuple[float, ...]) -> Array:
-    mu = np.array(cosines)
-    return np.asarray(Microfacet(model).albedo(np.stack([np.sqrt(1 - mu**2), 0 * mu, mu], axis=-1)))
+@lru_cache(maxsize=256)
+def _compensated(one: Candidate, exact: Fresnel, point: Point) -> Compensated:
+    """Prepared once for all views of a roughness."""
+    return Compensated(one.brdf(exact, point), one.compensation)
 
 
 def ladder(scene: Scene) -> list[Candidate]:
@@ -139,4 +132,4 @@ def _sensible(one: Candidate) -> bool:
     if one.compensation == "none":
         return True
     whole = one.masking == "height"
-    return whole and (one.compensation == "scaled" or (one.fresnel != "schlick" and not one.single))
+    return whole and (one.compensation != "walk" or (one.fresnel != "schlick" and not one.single))

@@ -3,55 +3,69 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from microfacet.enough.choice import Choice, Row
+import numpy as np
+from numpy.typing import NDArray
 
+Dots = Mapping[str, NDArray[Any]]  # as `Choice.data` has them
 COLOURS = {"within": "#009E73", "beyond": "#8F3B76", "open": "#E69F00"}
 WORDS = {"within": "enough", "beyond": "not enough", "open": "not known"}
-MARKS = {"none": "o", "scaled": "s", "walk": "D"}
-LEAST = 1e-6  # errors below this are drawn there
+MARKS = {
+    "none": ("o", "single scattering"),
+    "scaled": ("s", "scaled"),
+    "lobe": ("^", "lobe added"),
+    "walk": ("D", "random walk"),
+}
 
 
-def save(choice: Choice, path: Path) -> None:
+def save(dots: Dots, path: Path) -> None:
     """Write the chart; ValueError, in one sentence, if matplotlib is missing, the ending unknown, or no cost known."""
     if path.suffix not in (".svg", ".pdf", ".png"):
         raise ValueError(f"chart must end in .svg, .pdf or .png, got {path.name!r}")
-    if not any(math.isfinite(row.cost) for row in choice.rows):
+    if not np.isfinite(dots["cost"]).any():
         raise ValueError("chart needs the candidates' costs, and none is known")
     try:
         from matplotlib.figure import Figure
     except ImportError:
         raise ValueError("chart needs matplotlib, which is not installed") from None
     figure = Figure(figsize=(6.0, 3.6), layout="constrained")
-    draw(figure.subplots(), choice)
+    draw(figure.subplots(), dots)
     try:
         figure.savefig(path)
     except OSError as fault:
         raise ValueError(f"chart cannot be written to {path}: {fault.strerror}") from None
 
 
-def draw(ax: Any, choice: Choice) -> None:
-    """Every candidate as a dot, the front as a line through those that no other beats."""
-    known = [(row, on) for row, on in zip(choice.rows, choice.front(), strict=True) if math.isfinite(row.cost)]
-    front = sorted((row.cost, _drawn(row)) for row, on in known if on)
-    ax.plot(*zip(*front, strict=True), color="0.6", linewidth=0.8, linestyle="-", zorder=1)
-    ax.axhline(choice.tolerance, color="#1A1A1A", linewidth=0.8, linestyle="--", zorder=1)
-    seen: set[str] = set()
-    for row, _ in known:
-        look: dict[str, Any] = {"color": COLOURS[row.verdict], "marker": MARKS[row.candidate.compensation], "linestyle": "none"}
-        fill = {"markerfacecolor": "none"} if row.candidate.single else {}
-        label = None if row.verdict in seen else WORDS[row.verdict]
-        seen.add(row.verdict)
-        ax.plot(row.cost, _drawn(row), markersize=4, label=label, zorder=3, **look, **fill)
-    if choice.chosen and math.isfinite(choice.chosen.cost):
-        place = choice.chosen.cost, _drawn(choice.chosen)
-        ax.plot(*place, "o", markersize=11, markerfacecolor="none", markeredgecolor=COLOURS["within"], zorder=2)
-    ax.set(xscale="log", yscale="log", xlabel="cost (ns a value)", ylabel=f"error ({choice.measure})")
+def front(cost: NDArray[Any], error: NDArray[Any]) -> NDArray[np.bool_]:
+    """Which of the candidates no other beats in both cost and error; none of unknown cost."""
+    points = list(zip(cost.tolist(), error.tolist(), strict=True))
+    on = [math.isfinite(a) and not any(c <= a and e <= b and (c, e) != (a, b) for c, e in points) for a, b in points]
+    return np.array(on, bool)
+
+
+def draw(ax: Any, dots: Dots) -> None:
+    """Every candidate as a dot, no lower than what is not known of its error, and open if of single precision.
+
+    A line joins the front, the tolerance is dashed, the choice ringed.
+    """
+    cost, error = dots["cost"], np.maximum(dots["error"], dots["bound"])
+    order = np.argsort(cost)[front(cost, error)[np.argsort(cost)]]
+    ax.plot(cost[order], error[order], color="0.6", linewidth=0.8, linestyle="-", zorder=1)
+    ax.axhline(float(dots["tolerance"]), color="#1A1A1A", linewidth=0.8, linestyle="--", zorder=1)
+    for kind, (mark, words) in MARKS.items():
+        if (dots["compensation"] == kind).any():
+            ax.plot([], [], mark, color="0.4", markersize=4, linestyle="none", label=words)
+        for verdict, colour in COLOURS.items():
+            for single in (False, True):
+                chosen = (dots["compensation"] == kind) & (dots["verdict"] == verdict) & (dots["single"] == single)
+                look = {"color": colour, "markerfacecolor": "none" if single else colour, "markersize": 4, "linestyle": "none"}
+                ax.plot(cost[chosen], error[chosen], mark, zorder=3, **look)
+    for verdict in dict.fromkeys(dots["verdict"].tolist()):
+        ax.plot([], [], "_", color=COLOURS[verdict], markersize=8, markeredgewidth=3, linestyle="none", label=WORDS[verdict])
+    ring = {"markersize": 11, "markerfacecolor": "none", "markeredgecolor": COLOURS["within"], "linestyle": "none"}
+    ax.plot(cost[dots["chosen"]], error[dots["chosen"]], "o", zorder=2, **ring)
+    ax.set(xscale="log", yscale="log", xlabel="cost (ns a value)", ylabel=f"error ({dots['measure']})")
     ax.legend(loc="best")
-
-
-def _drawn(row: Row) -> float:
-    return max(row.measured.error.value, LEAST)

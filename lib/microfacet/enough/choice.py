@@ -1,6 +1,6 @@
 """The cheapest model that is near enough to the most complete one, and how it was found.
 
-Sources: heitz2016 (the random walk), turquin2019 (scaling), heitz2014 (all else).
+Sources: heitz2016 (the random walk), turquin2019 and kulla2017 (energy put back), heitz2014 (all else).
 """
 
 from __future__ import annotations
@@ -263,16 +263,26 @@ class Choice:
             )
         return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
-    def front(self) -> list[bool]:
-        """Which rows no other beats in both error and cost."""
-        points = [(row.cost, row.measured.error.value) for row in self.rows]
-        return [not any(c <= a and e <= b and (c, e) != (a, b) for c, e in points) for a, b in points]
+    def data(self) -> dict[str, NDArray[Any]]:
+        """What the chart draws, one entry a candidate, the cheapest first."""
+        return {
+            "words": np.array([row.candidate.words for row in self.rows]),
+            "cost": np.array([row.cost for row in self.rows]),
+            "error": np.array([row.measured.error.value for row in self.rows]),
+            "bound": np.array([row.measured.error.bound for row in self.rows]),
+            "verdict": np.array([row.verdict for row in self.rows]),
+            "compensation": np.array([row.candidate.compensation for row in self.rows]),
+            "single": np.array([row.candidate.single for row in self.rows]),
+            "chosen": np.array([row is self.chosen for row in self.rows]),
+            "tolerance": np.array(self.tolerance),
+            "measure": np.array(self.measure),
+        }
 
     def chart(self, path: str | Path) -> None:
         """Draw cost against error, with the tolerance and the front, as .svg, .pdf or .png; ValueError without matplotlib."""
         from microfacet.enough.chart import save
 
-        save(self, Path(path))
+        save(self.data(), Path(path))
 
 
 _WORDS = {"beyond": "and not enough", "open": "and not known to be enough"}
@@ -280,6 +290,10 @@ _WORDS = {"beyond": "and not enough", "open": "and not known to be enough"}
 
 def _cost(nanoseconds: float) -> str:
     return f"{nanoseconds:.1f}" if math.isfinite(nanoseconds) else "not measured"
+
+
+def _time(nanoseconds: float) -> str:
+    return f"{nanoseconds:.1f} ns" if math.isfinite(nanoseconds) else "not timed"
 
 
 def _numbers(row: Row) -> str:
@@ -380,7 +394,7 @@ def sampler_words(samplers: dict[str, tuple[float, float]]) -> str:
     known = all(math.isfinite(time) for time, _ in samplers.values())
     ranked = sorted(samplers, key=lambda name: samplers[name][0] * samplers[name][1] if known else samplers[name][1])
     told = [
-        f"{cost.SAMPLERS[name]} ({_cost(samplers[name][0])} ns, mean square weight {samplers[name][1]:.3g})" for name in ranked
+        f"{cost.SAMPLERS[name]} ({_time(samplers[name][0])}, mean square weight {samplers[name][1]:.3g})" for name in ranked
     ]
     return " before ".join(told)
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import cache
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -170,7 +170,7 @@ def walked(scene: Scene, point: Point, walks: int) -> Reference:
     return Reference(np.array(lobes), "Smith's random walk")
 
 
-@cache
+@lru_cache(maxsize=2)
 def _fields(alpha_x: float, alpha_y: float, surfaces: int) -> list[HeightField]:
     family = _family(alpha_x, alpha_y)
     return [HeightField(family.spectral(k)) for k in range(surfaces)]

@@ -81,14 +81,9 @@ class Scene:
         if not (self.fresnel is None or isinstance(self.fresnel, Fresnel)):
             raise ValueError(f"fresnel must be None, Dielectric or Conductor, got {self.fresnel!r}")
 
-    @property
+    @cached_property
     def material(self) -> Fresnel:
         return Mirror() if self.fresnel is None else self.fresnel
-
-    @property
-    def normal_reflectance(self) -> float:
-        """What Schlick's approximation starts from."""
-        return float(self.material.F(1.0))
 
     @cached_property
     def points(self) -> tuple[Point, ...]:
