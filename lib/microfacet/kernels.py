@@ -28,6 +28,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from importlib.machinery import ModuleSpec
+from itertools import zip_longest
 from math import exp, ldexp
 from pathlib import Path
 from types import FunctionType, ModuleType
@@ -307,11 +308,15 @@ def _loop(name: str, widths: Sequence[int], outputs: int, single: Sequence[bool]
 
 
 def _checks(rows: Sequence[tuple[str, Sequence[str]]]) -> list[str]:
-    """Lines that clear `good` where a number is none that its kind allows. A sum is finite only if all its terms are; a sum
-    of finite terms may overflow: who called the loop then looks at each."""
-    finite = [value for kind, row in rows if kind for value in row]
+    """Lines that clear `good` where a number is none that its kind allows.
+
+    A sum is finite only if all its terms are. One of finite terms may overflow: who called the loop then looks at each.
+    Its terms are in such order that it contains the sum of two directions, which many a kernel forms anyway.
+    """
+    columns = zip_longest(*(row for kind, row in rows if kind))
+    sums = [f"({' + '.join(value for value in column if value)})" for column in columns]
+    lines = [f"total = {' + '.join(sums)}", "good &= total - total == R(0.0)"] if sums else []
     shares = [value for kind, row in rows if kind == "share" for value in row]
-    lines = [f"total = {' + '.join(finite)}", "good &= total - total == R(0.0)"] if finite else []
     return [*lines, *(f"good &= ({value} >= R(0.0)) & ({value} < R(1.0))" for value in shares)]
 
 

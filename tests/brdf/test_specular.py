@@ -8,6 +8,7 @@ import pytest
 from around import reflected, turned_away
 from hypothesis import given
 from hypothesis import strategies as st
+from microfacet.brdf.ggx import inverse_square
 from microfacet.directions import half_vector, spherical
 from samples import LAST, LAST_SINGLE, UP, hemisphere, sphere, uniform, views
 from sampling import density_times_area
@@ -39,6 +40,32 @@ def test_value_of_ggx_by_the_papers() -> None:
     D = 1 / (np.pi * ax * ay * ((h[:, 0] / ax) ** 2 + (h[:, 1] / ay) ** 2 + h[:, 2] ** 2) ** 2)
     Lo, Li = ((np.sqrt(1 + ((ax * w[:, 0]) ** 2 + (ay * w[:, 1]) ** 2) / w[:, 2] ** 2) - 1) / 2 for w in (wo, wi))
     np.testing.assert_allclose(GGX.evaluate(wo, wi), D / (1 + Lo + Li) / (4 * wo[:, 2] * wi[:, 2]), rtol=1e-11)
+
+
+def test_the_inverse_of_a_square_loses_next_to_nothing() -> None:
+    """Half an ulp, where 1/(alpha alpha) loses one and a half; and neither overflow nor underflow."""
+    import mpmath
+
+    alphas = 10 ** np.random.default_rng(0).uniform(-9.9, 9.9, 500)
+    with mpmath.workdps(50):
+        for alpha in map(float, alphas):
+            factor, inverse = inverse_square(alpha)
+            assert factor == 1
+            assert abs(inverse * mpmath.mpf(alpha) ** 2 - 1) <= 0.5001 * np.finfo(float).eps
+    for alpha in (1e-300, 1e-160, 1e-20, 1e160, 1e300):
+        factor, inverse = inverse_square(alpha)
+        assert (factor * alpha) ** 2 * inverse == pytest.approx(1, rel=1e-15)
+
+
+@pytest.mark.parametrize("real", [np.float64, np.float32])
+@pytest.mark.parametrize("alpha", [1e-12, 9e-11, 2e-10, 9e9, 2e10, 1e12])
+def test_extreme_roughness_overflows_nowhere(alpha: float, real: type) -> None:
+    """Upright half vectors, on both sides of where a roughness is scaled before it is squared."""
+    theta = np.array([0.0, 0.3])
+    wo = spherical(theta, 0.2).astype(real)
+    value = mf.Microfacet(mf.Smith(mf.GGX(alpha))).evaluate(wo, wo * np.array([-1, -1, 1], real))
+    expected = 1 / (4 * np.pi * alpha**2 * np.cos(theta) * np.hypot(np.cos(theta), alpha * np.sin(theta)))
+    np.testing.assert_allclose(value, expected, rtol=1e-5 if real == np.float32 else 1e-14)
 
 
 @pytest.mark.parametrize("brdf", BRDFS, ids=repr)

@@ -11,10 +11,10 @@ import numpy as np
 import sympy as sp
 
 from microfacet import balls
-from microfacet.brdf.ggx import lobe
+from microfacet.brdf.ggx import inverse_square, prepared_lobe
 from microfacet.directions import uniform, vectors
 from microfacet.geometry.ggx import GGX
-from microfacet.kernels import Batch
+from microfacet.kernels import Batch, Parameters
 from microfacet.material.fresnel import Fresnel, Mirror
 from microfacet.material.reflection import half_vector, i_vector, o_vector, reflected, weak_furnace
 from microfacet.notation import G1, D, F, Lambda_i, Lambda_o, im, mu_i, mu_o, om, raw
@@ -191,7 +191,10 @@ def evaluation(normals: Callable[..., float], shadowing: Callable[..., float], f
 
 @cache
 def joined_evaluation(fresnel: Callable[..., float]) -> Batch:
-    """The same for Smith's model over GGX, correlated by height: the parts are one fraction."""
+    """The same for Smith's model over GGX, correlated by height: the parts are one fraction.
+
+    Parameters: also what `inverse_square` makes of both roughnesses, once for all turns and calls.
+    """
 
     def evaluate(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
         hx, hy, hz = ox + ix, oy + iy, oz + iz
@@ -199,16 +202,17 @@ def joined_evaluation(fresnel: Callable[..., float]) -> Batch:
         if not (oz > 0.0 and iz > 0.0 and square > 0.0):
             return 0.0
         alpha_x, alpha_y = p[0][0]
-        return fresnel(min(0.5 * sqrt(square), 1.0), p[1]) * lobe(ox, oy, oz, ix, iy, iz, alpha_x, alpha_y)
+        return fresnel(min(0.5 * sqrt(square), 1.0), p[1]) * prepared_lobe(ox, oy, oz, ix, iy, iz, alpha_x, alpha_y, p[2], p[3])
 
     return over_pairs(evaluate)
 
 
-def evaluation_of(model: Masking, fresnel: Fresnel) -> Batch:
-    """The loop that evaluates the BRDF: in one fraction where the model has it, else part by part."""
+def evaluation_of(model: Masking, fresnel: Fresnel) -> tuple[Batch, Parameters]:
+    """The loop that evaluates the BRDF, in one fraction where the model has it, else part by part; and its parameters."""
+    parameters = (model.parameters, fresnel.parameters)
     if isinstance(model, Smith) and type(model.ndf) is GGX and model.correlation == "height":
-        return joined_evaluation(type(fresnel).kernel)
-    return evaluation(type(model.ndf).kernel, model.G2_kernel, type(fresnel).kernel)
+        return joined_evaluation(type(fresnel).kernel), (*parameters, *map(inverse_square, model.ndf.parameters))
+    return evaluation(type(model.ndf).kernel, model.G2_kernel, type(fresnel).kernel), parameters
 
 
 @cache
@@ -333,11 +337,11 @@ class Microfacet:
             raise ValueError(f"fresnel must be None, Dielectric, Conductor or Schlick, got {fresnel!r}")
         self.model, self.fresnel = model, Mirror() if fresnel is None else fresnel
         self.parameters = (model.parameters, self.fresnel.parameters)
-        self._evaluation = evaluation_of(model, self.fresnel)
+        self._evaluation, self._evaluation_parameters = evaluation_of(model, self.fresnel)
 
     def evaluate(self, wo: Any, wi: Any, out: np.ndarray | None = None) -> Any:
         """The BRDF, 1/sr, shapes (..., 3) -> (...); 0 if either direction is below the horizon. heitz2014."""
-        return self._evaluation([vectors("wo", wo), vectors("wi", wi)], self.parameters, out)
+        return self._evaluation([vectors("wo", wo), vectors("wi", wi)], self._evaluation_parameters, out)
 
     def sample(self, wo: Any, u: Any) -> Any:
         """Light directions with density `pdf`, shapes (..., 3) and (..., 2) -> (..., 3), by visible normals where the model
