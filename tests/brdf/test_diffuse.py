@@ -12,8 +12,6 @@ from microfacet import checks
 from microfacet.directions import spherical
 from samples import UP, hemisphere, views
 
-pytestmark = pytest.mark.xdist_group("brdf")
-
 SMITH, CAVITIES = mf.Smith(mf.Beckmann(0.5)), mf.VCavity(mf.GGX(0.5, 0.2))
 MODELS = [SMITH, CAVITIES]
 LIGHT = spherical(np.radians([10.0, 40.0, 65.0]), np.radians([200.0, 35.0, 110.0]))

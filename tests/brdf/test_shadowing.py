@@ -34,9 +34,9 @@ def test_order_from_separable_to_fully_correlated(o: float, i: float, blend: flo
 @given(o=LAMBDA, i=LAMBDA, blend=SHARE)
 def test_light_and_viewer_may_change_places(o: float, i: float, blend: float) -> None:
     for name in ("separable", "height"):
-        assert stated(name, o, i) == pytest.approx(stated(name, i, o), rel=1e-15)
+        assert stated(name, o, i) == pytest.approx(stated(name, i, o), rel=1e-15, abs=0)
     for name in ("direction", "height_direction"):
-        assert stated(name, o, i, blend) == pytest.approx(stated(name, i, o, blend), rel=1e-15)
+        assert stated(name, o, i, blend) == pytest.approx(stated(name, i, o, blend), rel=1e-15, abs=0)
 
 
 @given(o=LAMBDA, blend=SHARE)
@@ -47,16 +47,16 @@ def test_without_shadowing_masking_is_left(o: float, blend: float) -> None:
         stated("direction", o, 0.0, blend),
         stated("height_direction", o, 0.0, blend),
     ):
-        assert value == pytest.approx(1 / (1 + o), rel=1e-14)
+        assert value == pytest.approx(1 / (1 + o), rel=1e-14, abs=0)
 
 
 @given(o=LAMBDA, i=LAMBDA)
 def test_limits_of_the_blend(o: float, i: float) -> None:
     least = 1 / (1 + max(o, i))
-    assert stated("direction", o, i, 0.0) == pytest.approx(least, rel=1e-14)
-    assert stated("direction", o, i, 1.0) == pytest.approx(stated("separable", o, i), rel=1e-14)
-    assert stated("height_direction", o, i, 0.0) == pytest.approx(least, rel=1e-14)
-    assert stated("height_direction", o, i, 1.0) == pytest.approx(stated("height", o, i), rel=1e-14)
+    assert stated("direction", o, i, 0.0) == pytest.approx(least, rel=1e-14, abs=0)
+    assert stated("direction", o, i, 1.0) == pytest.approx(stated("separable", o, i), rel=1e-14, abs=0)
+    assert stated("height_direction", o, i, 0.0) == pytest.approx(least, rel=1e-14, abs=0)
+    assert stated("height_direction", o, i, 1.0) == pytest.approx(stated("height", o, i), rel=1e-14, abs=0)
 
 
 @given(first=st.floats(0, 3.14), second=st.floats(0, 3.14))
@@ -68,7 +68,7 @@ def test_blend_grows_with_the_angle_between_azimuths(first: float, second: float
 def test_known_values_of_the_blend() -> None:
     """4.41 per radian: half way at 13 degrees, 0.93 for opposite azimuths."""
     assert stated("lambda", 0.0) == 0
-    assert stated("lambda", 1 / 4.41) == pytest.approx(0.5, rel=1e-15)
+    assert stated("lambda", 1 / 4.41) == pytest.approx(0.5, rel=1e-15, abs=0)
     assert stated("lambda", np.pi) == pytest.approx(0.93267, abs=1e-5)
 
 

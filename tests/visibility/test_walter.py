@@ -13,8 +13,6 @@ from microfacet import checks
 from microfacet.visibility import walter
 from references import beckmann_Lambda
 
-pytestmark = pytest.mark.xdist_group("visibility")
-
 LIBRARY = Path(mf.__file__).parent
 FIT = mf.equations["visibility.beckmann.walter"]
 
