@@ -159,7 +159,8 @@ def chapter_names(stem: str) -> str:
     statements, figures = inventory.statements(), inventory.figures()
     latex = {key: statements.get(key, {}).get("latex") for key in text(stem).named("equation")}
     captions = {name: figures[name].words for name in text(stem).named("figure") if name in figures}
-    return digest([latex, captions])
+    models = [figure.model for figure in figures.values()] if "models_of_light" in text(stem).calls else []
+    return digest([latex, captions, models])
 
 
 def report_tools(form: str) -> list[str]:

@@ -1,6 +1,6 @@
 """What a chapter's cells may call. Each helper returns Markdown: it shows in a notebook too.
 
-from cells import data, equation, figure, ledger_table, table, verdicts
+from cells import data, equation, figure, ledger_table, models_of_light, table, verdicts
 """
 
 from __future__ import annotations
@@ -85,6 +85,18 @@ def cell_text(cell: object) -> str:
 
 def guess(column: list[object]) -> str:
     return "r" if column and all(isinstance(cell, int | float) for cell in column) else "l"
+
+
+def models_of_light(*, caption: str, label: str) -> Markdown:
+    """Every figure with light in it that a chapter shows: which model its script says it used, and why that was enough."""
+    shown = {name for chapter in inventory.chapters().values() for name in chapter.named("figure")}
+    rows = [(name, *one.model) for name, one in inventory.figures().items() if one.model and name in shown]
+    lines = [f"| [@fig:{name}] | {cell_text(which)} | {cell_text(why)} |" for name, which, why in rows]
+    head = [
+        "| Figure | Model | Enough, because |",
+        "|:-----------|:------------------------------|:------------------------------|",
+    ]
+    return Markdown("\n".join([*head, *lines]) + f"\n\n: {caption} {{#{label}}}")
 
 
 EQUATIONS = {

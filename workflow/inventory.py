@@ -98,7 +98,10 @@ def facts(equation: Any, fingerprint: str) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Figure:
-    """A script that draws: its docstring is the caption, SLIDES the slides it redraws."""
+    """A script that draws: its docstring is the caption, SLIDES the slides it redraws.
+
+    MODEL, if there is light in it: which model of light, and why that was enough.
+    """
 
     name: str
     script: Path
@@ -106,6 +109,7 @@ class Figure:
     caption: str
     slides: tuple[int, ...]
     moves: bool = False
+    model: tuple[str, ...] = ()
 
     @property
     def moving(self) -> str:
@@ -151,15 +155,35 @@ def read_figure(script: Path) -> Figure | None:
         tree = ast.parse(script.read_text("utf-8"))
     except SyntaxError as error:
         stop(f"{script}, line {error.lineno}: {error.msg}.")
-    slides = [node.value for node in tree.body if isinstance(node, ast.Assign)
-              and any(isinstance(t, ast.Name) and t.id == "SLIDES" for t in node.targets)]  # fmt: skip
+    slides, models = constants(tree, "SLIDES"), constants(tree, "MODEL")
     if not slides or script.stem.endswith("_data"):
         return None
     title, _, rest = (ast.get_docstring(tree) or "").partition("\n")
     if not title.strip():
         stop(f"{script} has no docstring: its first line is the first sentence of the caption.")
     moves = any(isinstance(node, ast.FunctionDef) and node.name == "move" for node in tree.body)
-    return Figure(script.stem, script, title.strip(), " ".join(rest.split()), numbers_in(slides[0], script), moves)
+    model = words_in(models[0], script) if models else ()
+    return Figure(script.stem, script, title.strip(), " ".join(rest.split()), numbers_in(slides[0], script), moves, model)
+
+
+def constants(tree: ast.Module, name: str) -> list[ast.expr]:
+    """What a script assigns to a name at its top level."""
+    return [
+        node.value
+        for node in tree.body
+        if isinstance(node, ast.Assign) and any(isinstance(t, ast.Name) and t.id == name for t in node.targets)
+    ]
+
+
+def words_in(node: ast.expr, script: Path) -> tuple[str, ...]:
+    """MODEL is written as two strings: which, and why."""
+    try:
+        words = ast.literal_eval(node)
+    except ValueError:
+        words = None
+    if not (isinstance(words, tuple) and len(words) == 2 and all(isinstance(word, str) for word in words)):
+        stop(f"{script}: MODEL is two strings: which model of light, and why that was enough.")
+    return words
 
 
 def numbers_in(node: ast.expr, script: Path) -> tuple[int, ...]:

@@ -13,6 +13,10 @@ import sys
 from microfacet import plotting
 
 SLIDES = (73, 74, 75)
+MODEL = (
+    "Smith's model, one bounce, perfect mirrors",
+    "what one bounce leaves out is what it shows, and that needs no more bounces to be known",
+)
 LOOKS = (("ggx", "GGX", "-"), ("beckmann", "Beckmann", "--"))
 VIEWS = (("view", "straight above"), ("light", r"$60^\circ$"), ("ink", "everywhere"))
 

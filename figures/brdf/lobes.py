@@ -13,6 +13,10 @@ import numpy as np
 from microfacet import plotting
 
 SLIDES = (51, 52)
+MODEL = (
+    "each masking function in turn, one bounce, perfect mirrors",
+    "the models are what it compares",
+)
 RINGS = (0.5, 1.0)
 
 

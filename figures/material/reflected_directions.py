@@ -14,6 +14,10 @@ import numpy as np
 from microfacet import plotting
 
 SLIDES = (44, 45, 46)
+MODEL = (
+    "the relief drawn, ray by ray",
+    "it is its own most complete model",
+)
 LIGHT, VIEW = plotting.COLOURS["light"], plotting.COLOURS["view"]
 
 

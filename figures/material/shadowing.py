@@ -14,6 +14,10 @@ import numpy as np
 from microfacet import plotting
 
 SLIDES = (49, 50)
+MODEL = (
+    "the relief drawn, ray by ray",
+    "it is its own most complete model",
+)
 LIGHT, LOST, VIEW = (plotting.COLOURS[name] for name in ("light", "lost", "view"))
 
 

@@ -14,6 +14,10 @@ import numpy as np
 from microfacet import plotting
 
 SLIDES = tuple(range(17, 30))
+MODEL = (
+    "the relief drawn, ray by ray, one bounce",
+    "it is its own most complete model, and later bounces are named as missing",
+)
 PITCH, WIDE, HIGH, BASE, SIZE = 1.51, 1.29, 0.7, 2.62, 1.08
 STAGES = ("geometry", "visibility", "material", "BRDF")
 GIVES = ("$D$", "$G_1$", "mirror, $F$", r"$\rho=\frac{F\,G_2\,D}{4\,\cos\theta_o\,\cos\theta_i}$")

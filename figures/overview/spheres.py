@@ -12,6 +12,10 @@ import numpy as np
 from microfacet import plotting
 
 SLIDES = (3,)
+MODEL = (
+    "Smith's model, one bounce, exact Fresnel reflectance",
+    "it compares highlights, which later bounces hardly change; how far off the roughest sphere is, the text says",
+)
 
 
 def name(alphas: plotting.Array) -> str:

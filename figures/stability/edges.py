@@ -13,6 +13,10 @@ import sys
 from microfacet import plotting
 
 SLIDES = (30, 51, 67)
+MODEL = (
+    "Smith's model, one bounce, perfect mirrors",
+    "it shows digits, and the walk would lose the same ones at its first bounce",
+)
 FORMS = {"floor": "floor", "squares": "squares first", "library": "library"}
 
 

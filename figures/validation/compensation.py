@@ -12,6 +12,10 @@ import sys
 from microfacet import plotting
 
 SLIDES = (73, 74, 75)
+MODEL = (
+    "ray-traced surfaces and random walks, all bounces; one bounce, with and without compensation",
+    "the same",
+)
 LOOKS = (("view", "o", "-"), ("light", "s", "--"), ("green", "^", ":"), ("ink", "v", "-."))
 
 

@@ -12,6 +12,10 @@ import numpy as np
 from microfacet import plotting
 
 SLIDES = (59,)
+MODEL = (
+    "a ray-traced surface, one bounce; Smith's model",
+    "a lobe of one bounce is compared with a model of one",
+)
 TILT = np.array([0.42, 0.5])  # how far one cell to the back moves on the page
 EVERY, DEPTH = 3, 22
 

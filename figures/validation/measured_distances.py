@@ -10,6 +10,10 @@ import sys
 from microfacet import plotting
 
 SLIDES = (60,)
+MODEL = (
+    "ray-traced surfaces, one bounce, perfect mirrors; Smith's models and V-cavities",
+    "the same; a reflectance would hide part of the differences",
+)
 
 
 def title(name: str) -> str:

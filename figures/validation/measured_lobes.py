@@ -14,6 +14,10 @@ import numpy as np
 from microfacet import plotting
 
 SLIDES = (60,)
+MODEL = (
+    "ray-traced surfaces, one bounce, perfect mirrors; Smith's model and V-cavities",
+    "the same",
+)
 ROWS = ("V-cavities", "Smith", "measured")
 
 

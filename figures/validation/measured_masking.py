@@ -13,6 +13,10 @@ import numpy as np
 from microfacet import plotting
 
 SLIDES = (37, 38, 40)
+MODEL = (
+    "ray-traced surfaces; Smith's model",
+    "masking comes before any bounce",
+)
 CURVES = {"smith": ("Smith", "view", "--"), "v_cavity": ("V-cavities", "lost", ":")}
 
 

@@ -12,6 +12,10 @@ import sys
 from microfacet import plotting
 
 SLIDES = (41, 42, 44, 45)
+MODEL = (
+    "ray-traced surfaces; Smith's model and V-cavities",
+    "what is seen comes before any bounce",
+)
 CURVES = {"v_cavity": ("V-cavities", "lost", ":"), "smith": ("Smith", "view", "--")}
 
 

@@ -12,6 +12,10 @@ import numpy as np
 from microfacet import plotting
 
 SLIDES = (60,)
+MODEL = (
+    "ray-traced surfaces, one bounce, perfect mirrors; Smith's model and V-cavities",
+    "a lobe of one bounce is compared with a model of one",
+)
 RINGS = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
 CURVES = {"v_cavity": "V-cavities", "smith": "Smith"}
 

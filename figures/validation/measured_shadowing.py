@@ -13,6 +13,10 @@ import numpy as np
 from microfacet import plotting
 
 SLIDES = (49, 50)
+MODEL = (
+    "ray-traced surfaces; all forms of Smith's shadowing",
+    "it ends before the second bounce begins",
+)
 
 
 def draw(data: dict) -> plotting.Figure:
