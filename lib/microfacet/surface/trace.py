@@ -10,14 +10,14 @@ before the first edge that it crosses below, and it leaves a facet without a hit
 per edge decides for both facets that share it, so that no ray leaks between them. A ray that starts on a facet crosses that
 facet's own edge above, whatever rounding says: there is no offset and no tolerance anywhere.
 
-How empty space is skipped. Square blocks of 4, 32, 256, ... cells a side each have a plane that no point of the block exceeds.
+How empty space is skipped. Square blocks of 4, 16, 64, ... cells a side each have a plane that no point of the block exceeds.
 Where a ray is above that plane no edge needs to be looked at. A smooth surface is nearly flat in a small block, so a ray
 sinks to within a cell or two of its hit before it looks at heights. The planes only save work: they are rounded up by more
 than what rounding does to a ray, and all signs that decide are taken in double precision from the heights themselves.
 
-Many rays are stepped through the blocks in lanes, without a branch, which compiles to vector instructions; a ray that has
-nothing left to skip is taken out and walks its few cells. A ray's result depends on that ray only, not on the others, on
-their order or on the number of threads.
+Many rays are stepped in lanes, without a branch, which compiles to vector instructions: through blocks, until enough of them
+have nothing left to skip, and these then through a cell each. A ray's result depends on that ray only, not on the others,
+on their order or on the number of threads.
 
 Sources: smits1999 (watertight walks), tevs2008 (maximum pyramids), amanatides1987 (walking a grid).
 """
@@ -47,11 +47,13 @@ ESCAPED = -1  # what is met in place of a facet: nothing
 LOST = -2  # undecided: the ray ran almost horizontally for `REACH` cells
 REACH = 2.0**24
 
-BASE, STEP = 2, 3  # blocks have 2^BASE, 2^(BASE + STEP), ... cells a side
+BASE, STEP = 2, 2  # blocks have 2^BASE, 2^(BASE + STEP), ... cells a side
 START = BASE + STEP  # where rays from above begin to look
 CELLS, HIT, GONE, IDLE = BASE - STEP, -8, -9, -10  # what a lane may do instead of passing blocks
 ASTRAY = -3
 LANES = 64
+MANY = 20  # lanes that wait for a step through cells before it is made
+SPARE = 12  # lanes that are ready for another ray before they get it
 CHUNK = 16384  # rays that a thread takes at once
 SORT = 1 << 21  # rays that are put into order at once
 TILE = 5  # rays are sorted by tiles of 2^TILE cells a side ...
@@ -63,6 +65,7 @@ SLACK = 1e-6  # of a block's own height and slope, and a tenth of it in cells: h
 _njit: Any = partial(cast(Any, numba.njit), nogil=True, cache=True, error_model="numpy")
 _jit = _njit()
 _inner = _njit(_nrt=False, forceinline=True)  # no counting of references: it would cost more than the walk itself
+_exact = _njit(_nrt=False)
 _lanes = _njit(_nrt=False, fastmath={"contract"})
 
 _thread = threading.local()
@@ -108,7 +111,7 @@ class HeightField:
         o, d = self._rays(origins, directions)
         own = self._own(facets, len(o))
         facet, distance = np.empty(len(o), np.int64), np.empty(len(o))
-        field = (self.heights, self.planes, self.size - 1, self.top, self.highest)
+        field = (self.heights.reshape(-1), self.planes, self.size.bit_length() - 1, self.top, self.highest)
         with ThreadPoolExecutor(threads()) as pool:
             for first in range(0, len(o), SORT):
                 part = slice(first, min(first + SORT, len(o)))
@@ -290,10 +293,11 @@ def _by_tile(o: Array, d: Array, highest: float, size: int) -> Integers:  # prag
 # Rows of the lanes' state, of LANES entries each. Rays are mirrored so that they run towards +x and +y: a mirrored axis has
 # the mask -1, and the cell c of it is the cell ~c of the surface. t is the distance so far, (CX, CY) the cell there, SIZE
 # the binary logarithm of the block's side, or CELLS, HIT, GONE or IDLE. SIDE is the side of its cell that a ray starts on, or
-# -1; after a HIT, the facet.
+# FREE more than that on which it came into its cell, or -1 if only t tells; after a HIT, the facet.
 
 T, FX, FY, OZ, DX, DY, DZ, IX, IY, IA, SX, SY, END = (row * LANES for row in range(13))
 CX, CY, SIZE, MX, MY, RAY, SIDE = (row * LANES for row in range(7))
+FREE = 2
 
 
 def _scope(module: Any) -> Any:
@@ -332,9 +336,21 @@ def _put(context: Any, array: Any, index: Any, value: Any) -> Any:
     return types.void(array, index, value), generate
 
 
+@cast(Any, intrinsic)
+def _wide(context: Any) -> Any:
+    """Lets the function that calls it use vectors of 512 bits where there are such; LLVM prefers shorter ones."""
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        set.add(builder.function.attributes, '"prefer-vector-width"="512"')
+        return context.get_dummy_value()
+
+    return types.void(), generate
+
+
 @_lanes
 def _pass_blocks(s: Array, q: Integers, planes: Singles, mask: int, top: int, highest: float) -> None:  # pragma: no cover
     """One step of every lane: over its block to the next one, or, where its plane is met, to there and into the block."""
+    _wide()
     for k in range(LANES):
         cx, cy, old = _get(q, CX + k), _get(q, CY + k), _get(q, SIZE + k)
         t, x, y, z = _get(s, T + k), _get(s, FX + k), _get(s, FY + k), _get(s, OZ + k)
@@ -349,6 +365,7 @@ def _pass_blocks(s: Array, q: Integers, planes: Singles, mask: int, top: int, hi
         leave = tx if along_x else ty
         last = mask >> size
         row = (last + 1) * (last + 1 + (((cx >> size) ^ _get(q, MX + k)) & last)) + (((cy >> size) ^ _get(q, MY + k)) & last)
+        row = row if live else 0
         b, c = _look(planes, 4 * row + 1) * _get(s, SX + k), _look(planes, 4 * row + 2) * _get(s, SY + k)
         half = 0.5 * side
         gap = z - _look(planes, 4 * row) - b * (x - x1 + half) - c * (y - y1 + half)
@@ -357,15 +374,15 @@ def _pass_blocks(s: Array, q: Integers, planes: Singles, mask: int, top: int, hi
         clear = above & (gap + rate * leave > 0.0)
         met = -gap / rate
         met = met if met > t else t
-        met = met if above else t
         now = leave if clear else met
         nx, ny = np.int64(math.floor(x + now * dx)), np.int64(math.floor(y + now * dy))
-        nx = nx if nx > x0 else x0
-        ny = ny if ny > y0 else y0
+        nx = nx if nx > cx else cx
+        ny = ny if ny > cy else cy
         nx = nx if nx < x0 + side - 1 else x0 + side - 1
         ny = ny if ny < y0 + side - 1 else y0 + side - 1
         nx = x0 + side if clear & along_x else nx
         ny = y0 + side if clear & (not along_x) else ny
+        now, nx, ny = now if above else t, nx if above else cx, ny if above else cy
         crossed = (((nx ^ cx) | (ny ^ cy)) >> (size + STEP)) != 0
         wider = size + STEP if crossed & (size < top) else size
         new = wider if clear else size - STEP
@@ -375,6 +392,77 @@ def _pass_blocks(s: Array, q: Integers, planes: Singles, mask: int, top: int, hi
         _put(q, CX + k, nx if live else cx)
         _put(q, CY + k, ny if live else cy)
         _put(q, SIZE + k, new if live else old)
+        _put(q, SIDE + k, -1 if live & above else _get(q, SIDE + k))
+
+
+@_exact
+def _pass_cells(s: Array, q: Integers, z: Singles, bits: int) -> None:  # pragma: no cover
+    """One step of every lane that is close to the surface: to a hit in its cell, or to the next cell and back to blocks.
+
+    Inside a cell, u and v run from 0 to 1 in the mirrored frame. Its diagonal is u = v, or u + v = 1 if one axis is
+    mirrored (`flip`); the facet of larger u or u + v is side 1. A ray leaves through u = 1 or v = 1.
+    """
+    _wide()
+    mask = (1 << bits) - 1
+    for k in range(LANES):
+        old, known = _get(q, SIZE + k), _get(q, SIDE + k)
+        cx, cy, mx, my = _get(q, CX + k), _get(q, CY + k), _get(q, MX + k), _get(q, MY + k)
+        t, x, y, oz = _get(s, T + k), _get(s, FX + k), _get(s, FY + k), _get(s, OZ + k)
+        dx, dy, dz = _get(s, DX + k), _get(s, DY + k), _get(s, DZ + k)
+        live, flip = old == CELLS, mx != my
+        z00, z10, z01, z11 = _corners(z, cx, cy, mx, my, bits, live)
+        u, v = x - cx, y - cy
+        aside = u + v - 1.0 if flip else u - v
+        free = (known < 0) | (known >= FREE)
+        side = (known & 1) != 0 if known >= 0 else aside + t * (dx + dy if flip else dx - dy) > 0.0
+        tx, ty = (1.0 - u) * _get(s, IX + k), (1.0 - v) * _get(s, IY + k)
+        along_x = tx < ty
+        leave = tx if along_x else ty
+        share = v + tx * dy if along_x else u + ty * dx
+        start = z10 if along_x else z01
+        under_edge = oz + leave * dz < start + share * (z11 - start)
+        middle = (1.0 - u - v if flip else v - u) * _get(s, IA + k)
+        middle = middle if middle > t else t
+        middle = middle if middle < leave else leave
+        start, stop = z01 if flip else z00, z10 if flip else z11
+        under_middle = oz + middle * dz < start + (u + middle * dx) * (stop - start)
+        out = flip | along_x
+        before = (out != side) & under_middle & free
+        hit = before | (under_edge & ((out != side) | free))
+        on = out != before  # the side that is hit, if one is
+        b, c = _slopes(on, flip, z00, z10, z01, z11)
+        base = z11 - b - c if flip & on else z00
+        met = (base + b * u + c * v - oz) / (dz - b * dx - c * dy)
+        met = met if met > t else t
+        met = met if met < leave else leave
+        facet = 2 * ((((cx ^ mx) & mask) << bits) + ((cy ^ my) & mask)) + (np.int64(on) ^ (1 + mx))
+        nx, ny = cx + np.int64(along_x), cy + np.int64(not along_x)
+        wider = (((nx ^ cx) | (ny ^ cy)) >> (BASE + STEP) != 0) & (bits >= BASE + STEP)
+        size, side = BASE + STEP if wider else BASE, FREE + np.int64(not out)
+        _put(s, T + k, (met if hit else leave) if live else t)
+        _put(q, CX + k, nx if live & (not hit) else cx)
+        _put(q, CY + k, ny if live & (not hit) else cy)
+        _put(q, SIZE + k, (HIT if hit else size) if live else old)
+        _put(q, SIDE + k, (facet if hit else side) if live else known)
+
+
+@_inner
+def _corners(
+    z: Singles, cx: int, cy: int, mx: int, my: int, bits: int, used: bool
+) -> tuple[float, float, float, float]:  # pragma: no cover
+    """Heights at (u, v) = (0, 0), (1, 0), (0, 1), (1, 1); those of cell 0 for a lane that has no use for them."""
+    mask = (1 << bits) - 1 if used else 0
+    i0, i1 = (((cx ^ mx) - mx) & mask) << bits, (((cx ^ mx) + 1 + mx) & mask) << bits
+    j0, j1 = ((cy ^ my) - my) & mask, ((cy ^ my) + 1 + my) & mask
+    z00, z10, z01, z11 = _look(z, i0 + j0), _look(z, i1 + j0), _look(z, i0 + j1), _look(z, i1 + j1)
+    return np.float64(z00), np.float64(z10), np.float64(z01), np.float64(z11)
+
+
+@_inner
+def _slopes(side: bool, flip: bool, z00: float, z10: float, z01: float, z11: float) -> tuple[float, float]:  # pragma: no cover
+    b = z10 - z00 if side != flip else z11 - z01
+    c = z11 - z10 if side else z01 - z00
+    return b, c
 
 
 @_inner
@@ -386,135 +474,80 @@ def _fetch(
         ray = order[first + k] if len(order) else first + k
         starts[k] = own[ray] if len(own) else -1
         for axis in range(3):
-            fetched[6 * k + axis], fetched[6 * k + 3 + axis] = o[ray, axis], d[ray, axis]
+            fetched[axis * LANES + k], fetched[(3 + axis) * LANES + k] = o[ray, axis], d[ray, axis]
 
 
-@_inner
+@_exact
 def _enter(
-    s: Array, q: Integers, k: int, z: Singles, fetched: Array, at: int, own: int, mask: int, top: int, highest: float
-) -> int:  # pragma: no cover
-    """Put a ray into lane k; what it meets at once, if that is its own facet or if it is no ray, else ESCAPED."""
-    x, y, oz = fetched[6 * at], fetched[6 * at + 1], fetched[6 * at + 2]
-    dx, dy, dz = fetched[6 * at + 3], fetched[6 * at + 4], fetched[6 * at + 5]
-    mx, my = -1 if dx < 0 else 0, -1 if dy < 0 else 0
-    sx, sy = 1.0 + 2.0 * mx, 1.0 + 2.0 * my
-    x, dx, y, dy = sx * x, abs(dx), sy * y, abs(dy)
-    length = max(dx, dy, abs(dz))
-    finite = x + y + oz + dx + dy + dz
-    if not (finite == finite and max(abs(x), abs(y), abs(oz)) <= REACH and TINY < length < 1 / TINY):
-        return ASTRAY
-    t = max((highest - oz) / dz, 0.0) if oz > highest and dz < 0 else 0.0
-    cx, cy = math.floor(x + t * dx), math.floor(y + t * dy)
-    q[SIDE + k], size = -1, min(START, top)
-    if own >= 0:
-        t, size = 0.0, CELLS
-        cx, cy = _near(((own >> 1) // (mask + 1)) ^ mx, x, mask + 1), _near(((own >> 1) & mask) ^ my, y, mask + 1)
-        q[SIDE + k] = (own & 1) ^ (1 + mx)
-        if max(abs(x - cx - 0.5), abs(y - cy - 0.5)) > 0.5 + 1e-6:
-            return ASTRAY
-        b, c = _slopes(q[SIDE + k], mx != my, *_corners(z, cx, cy, mx, my, mask))
-        if dz - b * dx - c * dy <= 0:
-            return own
-    s[T + k], s[FX + k], s[FY + k], s[OZ + k] = t, x, y, oz
-    s[DX + k], s[DY + k], s[DZ + k] = dx, dy, dz
-    s[IX + k], s[IY + k] = min(1 / dx, LARGEST), min(1 / dy, LARGEST)
-    s[IA + k] = 1 / (dx - dy if mx == my else dx + dy)
-    s[SX + k], s[SY + k] = sx, sy
-    s[END + k] = min(REACH / (dx + dy), LARGEST)
-    q[CX + k], q[CY + k], q[MX + k], q[MY + k], q[SIZE + k] = cx, cy, mx, my, size
-    return ESCAPED
+    s: Array, q: Integers, fetched: Array, starts: Integers, z: Singles, bits: int, top: int, highest: float
+) -> None:  # pragma: no cover
+    """The state with which the fetched rays enter lanes: a HIT already if a ray points into its own facet or is no ray."""
+    _wide()
+    for k in range(LANES):
+        x, y, oz = _look(fetched, k), _look(fetched, LANES + k), _look(fetched, 2 * LANES + k)
+        dx, dy, dz = _look(fetched, 3 * LANES + k), _look(fetched, 4 * LANES + k), _look(fetched, 5 * LANES + k)
+        mx, my = -1 if dx < 0.0 else 0, -1 if dy < 0.0 else 0
+        sx, sy = -1.0 if dx < 0.0 else 1.0, -1.0 if dy < 0.0 else 1.0
+        x, dx, y, dy = sx * x, abs(dx), sy * y, abs(dy)
+        good = _is_ray(x, y, oz, dx, dy, dz)
+        x, y, dx, dy, dz = x if good else 0.0, y if good else 0.0, dx if good else 1.0, dy if good else 1.0, dz if good else 1.0
+        end = REACH / (dx + dy)
+        end = end if end < LARGEST else LARGEST
+        t = (highest - oz) / dz if (oz > highest) & (dz < 0.0) else 0.0
+        t = t if t > 0.0 else 0.0
+        near = t if t < end else end
+        cx, cy = np.int64(math.floor(x + near * dx)), np.int64(math.floor(y + near * dy))
+        own = _look(starts, k)
+        held = (own >= 0) & good
+        ox, oy = _near((own >> (bits + 1)) ^ mx, x, bits), _near(((own >> 1) & ((1 << bits) - 1)) ^ my, y, bits)
+        inside = (abs(x - ox - 0.5) <= 0.5 + 1e-6) & (abs(y - oy - 0.5) <= 0.5 + 1e-6)
+        side, flip = (own & 1) ^ (1 + mx), mx != my
+        b, c = _slopes(side != 0, flip, *_corners(z, ox, oy, mx, my, bits, held))
+        blocked = held & (dz - b * dx - c * dy <= 0.0)
+        astray = (not good) | (held & (not inside))
+        start = START if top > START else top
+        ix, iy = 1.0 / dx, 1.0 / dy
+        _put(s, T + k, 0.0 if held else t)
+        _put(s, FX + k, x)
+        _put(s, FY + k, y)
+        _put(s, OZ + k, oz)
+        _put(s, DX + k, dx)
+        _put(s, DY + k, dy)
+        _put(s, DZ + k, dz)
+        _put(s, IX + k, ix if ix < LARGEST else LARGEST)
+        _put(s, IY + k, iy if iy < LARGEST else LARGEST)
+        _put(s, IA + k, 1.0 / (dx + dy if flip else dx - dy))
+        _put(s, SX + k, sx)
+        _put(s, SY + k, sy)
+        _put(s, END + k, end)
+        _put(q, CX + k, ox if held else cx)
+        _put(q, CY + k, oy if held else cy)
+        _put(q, MX + k, mx)
+        _put(q, MY + k, my)
+        _put(q, SIZE + k, HIT if astray | blocked else (CELLS if held else start))
+        _put(q, SIDE + k, ASTRAY if astray else (own if blocked else (side if held else -1)))
 
 
 @_inner
-def _near(cell: int, x: float, n: int) -> int:  # pragma: no cover
+def _is_ray(x: float, y: float, oz: float, dx: float, dy: float, dz: float) -> bool:  # pragma: no cover
+    length = dx if dx > dy else dy
+    length = length if length > abs(dz) else abs(dz)
+    total = x + y + oz + dx + dy + dz
+    near = (abs(x) <= REACH) & (abs(y) <= REACH) & (abs(oz) <= REACH)
+    return near & (total == total) & (length > TINY) & (length < 1.0 / TINY)
+
+
+@_inner
+def _near(cell: int, x: float, bits: int) -> int:  # pragma: no cover
     """The repetition of a cell that is nearest to x."""
-    return cell + n * math.floor((x - cell - 0.5) / n + 0.5)
-
-
-@_inner
-def _walk(s: Array, q: Integers, k: int, z: Singles, planes: Singles, mask: int) -> None:  # pragma: no cover
-    """Lane k from cell to cell, until it hits, leaves its smallest block, or is above that block's plane for good.
-
-    Inside a cell, u and v run from 0 to 1 in the mirrored frame. Its diagonal is u = v, or u + v = 1 if one axis is
-    mirrored (`flip`); the facet of larger u or u + v is side 1. A ray leaves through u = 1 or v = 1.
-    """
-    cx, cy, mx, my = q[CX + k], q[CY + k], q[MX + k], q[MY + k]
-    t, x, y, oz = s[T + k], s[FX + k], s[FY + k], s[OZ + k]
-    dx, dy, dz = s[DX + k], s[DY + k], s[DZ + k]
-    free = q[SIDE + k] < 0
-    flip = mx != my
-    clear = _clear(s, q, k, planes, mask)
-    aside = x - cx + (y - cy) - 1.0 if flip else (x - cx) - (y - cy)
-    side = int(aside + t * (dx + dy if flip else dx - dy) > 0.0) if free else q[SIDE + k]
-    x0, y0 = cx, cy
-    while True:
-        u, v = x - cx, y - cy
-        z00, z10, z01, z11 = _corners(z, cx, cy, mx, my, mask)
-        tx, ty = (1.0 - u) * s[IX + k], (1.0 - v) * s[IY + k]
-        along_x = tx < ty
-        leave = tx if along_x else ty
-        share = v + tx * dy if along_x else u + ty * dx
-        start = z10 if along_x else z01
-        under_edge = oz + leave * dz < start + share * (z11 - start)
-        middle = (1.0 - u - v if flip else v - u) * s[IA + k]
-        middle = middle if middle > t else t
-        middle = middle if middle < leave else leave
-        start, stop = z01 if flip else z00, z10 if flip else z11
-        under_middle = oz + middle * dz < start + (u + middle * dx) * (stop - start)
-        out = int(flip | along_x)
-        before = (out != side) & under_middle & free
-        if before | (under_edge & ((out != side) | free)):
-            side = side if before else out
-            b, c = _slopes(side, flip, z00, z10, z01, z11)
-            base = z11 - b - c if flip and side == 1 else z00
-            t = min(max((base + b * u + c * v - oz) / (dz - b * dx - c * dy), t), leave)
-            cell = ((cx ^ mx) & mask) * (mask + 1) + ((cy ^ my) & mask)
-            q[SIDE + k], q[SIZE + k] = 2 * cell + (side ^ (1 + mx)), HIT
-            break
-        t, free, side = leave, True, 1 - out
-        cx, cy = cx + int(along_x), cy + int(not along_x)
-        crossed = (cx ^ x0) | (cy ^ y0)
-        if (crossed >> BASE != 0) | (t > clear):
-            wider = (crossed >> (BASE + STEP) != 0) & ((mask + 1) >> (BASE + STEP) > 0)
-            q[SIDE + k], q[SIZE + k] = -1, BASE + STEP if wider else BASE
-            break
-    s[T + k], q[CX + k], q[CY + k] = t, cx, cy
-
-
-@_inner
-def _clear(s: Array, q: Integers, k: int, planes: Singles, mask: int) -> float:  # pragma: no cover
-    """The distance from which on lane k is above the plane of its smallest block, if it rises against it."""
-    cx, cy, last = q[CX + k] >> BASE, q[CY + k] >> BASE, mask >> BASE
-    row = 4 * ((last + 1) * (last + 1 + ((cx ^ q[MX + k]) & last)) + ((cy ^ q[MY + k]) & last))
-    b, c = planes[row + 1] * s[SX + k], planes[row + 2] * s[SY + k]
-    rate = s[DZ + k] - b * s[DX + k] - c * s[DY + k]
-    half = 0.5 * (1 << BASE)
-    gap = s[OZ + k] - planes[row] - b * (s[FX + k] - (cx << BASE) - half) - c * (s[FY + k] - (cy << BASE) - half)
-    return -gap / rate if rate > 0 else LARGEST
-
-
-@_inner
-def _corners(
-    z: Singles, cx: int, cy: int, mx: int, my: int, mask: int
-) -> tuple[float, float, float, float]:  # pragma: no cover
-    """Heights at (u, v) = (0, 0), (1, 0), (0, 1), (1, 1)."""
-    i0, i1 = np.uint64(((cx ^ mx) - mx) & mask), np.uint64(((cx ^ mx) + 1 + mx) & mask)
-    j0, j1 = np.uint64(((cy ^ my) - my) & mask), np.uint64(((cy ^ my) + 1 + my) & mask)
-    return np.float64(z[i0, j0]), np.float64(z[i1, j0]), np.float64(z[i0, j1]), np.float64(z[i1, j1])
-
-
-@_inner
-def _slopes(side: int, flip: bool, z00: float, z10: float, z01: float, z11: float) -> tuple[float, float]:  # pragma: no cover
-    b = z10 - z00 if (side == 0) == flip else z11 - z01
-    c = z11 - z10 if side == 1 else z01 - z00
-    return b, c
+    return cell + (math.floor((x - cell - 0.5) / (1 << bits) + 0.5) << bits)
 
 
 @_njit(_nrt=False)
 def _trace(
     z: Singles,
     planes: Singles,
-    mask: int,
+    bits: int,
     top: int,
     highest: float,
     o: Array,
@@ -530,44 +563,87 @@ def _trace(
     ready: Integers,
     fetched: Array,
     starts: Integers,
+    new_s: Array,
+    new_q: Integers,
     found: Integers,
     far: Array,
 ) -> None:  # pragma: no cover
-    """The rays first..last-1 of the order, in lanes that are filled again as soon as they are done."""
-    _reset(s, q, ready)
-    waiting, following, left = LANES, 0, last - first
+    """The rays first..last-1 of the order, in lanes that are filled again when enough of them are done."""
+    _reset(q)
+    following, left = 0, last - first
     while left > 0:
-        for at in range(waiting):
+        blocks, cells, done = _census(q)
+        if (blocks + cells > 0) & (done < SPARE):
+            if (blocks > 0) & (cells < MANY):
+                _pass_blocks(s, q, planes, (1 << bits) - 1, top, highest)
+            else:
+                _pass_cells(s, q, z, bits)
+            continue
+        for at in range(_leaving(q, ready)):
             k = ready[at]
-            if q[SIZE + k] == CELLS:
-                _walk(s, q, k, z, planes, mask)
-            if not _decide(s, q, k, highest, found, far):
-                continue
-            left -= int(q[RAY + k] >= 0)
-            q[SIZE + k], q[RAY + k] = IDLE, -1
+            left -= _decide(s, q, k, highest, found, far)
             while q[SIZE + k] == IDLE and following < last - first:
                 place = following % LANES
                 if place == 0:
                     _fetch(fetched, starts, o, d, own, order, first + following, last)
-                met = _enter(s, q, k, z, fetched, place, starts[place], mask, top, highest)
-                found[following], far[following] = met, 0.0
-                q[RAY + k] = following
-                left -= int(met != ESCAPED)
+                    _enter(new_s, new_q, fetched, starts, z, bits, top, highest)
+                _fill(s, q, k, new_s, new_q, place, following)
                 following += 1
-        _pass_blocks(s, q, planes, mask, top, highest)
-        waiting = _leaving(q, ready)
     _return(facet, distance, found, far, order, first, last)
 
 
 @_inner
-def _reset(s: Array, q: Integers, ready: Integers) -> None:  # pragma: no cover
+def _reset(q: Integers) -> None:  # pragma: no cover
     """Lanes without rays, all of them ready for one."""
-    for at in range(13 * LANES):
-        s[at] = 1.0
-    for at in range(7 * LANES):
-        q[at] = 0
+    for k in range(7 * LANES):
+        q[k] = 0
     for k in range(LANES):
-        ready[k], q[SIZE + k], q[RAY + k] = k, IDLE, -1
+        q[SIZE + k], q[RAY + k] = GONE, -1
+
+
+@_exact
+def _census(q: Integers) -> tuple[int, int, int]:  # pragma: no cover
+    """How many lanes pass blocks, how many wait for a step through cells, and how many are ready for another ray."""
+    _wide()
+    blocks, cells, idle = 0, 0, 0
+    for k in range(LANES):
+        blocks += int(q[SIZE + k] >= BASE)
+        cells += int(q[SIZE + k] == CELLS)
+        idle += int(q[SIZE + k] == IDLE)
+    return blocks, cells, LANES - blocks - cells - idle
+
+
+@_inner
+def _leaving(q: Integers, ready: Integers) -> int:  # pragma: no cover
+    """Puts the lanes that are ready for another ray in front; their number."""
+    count = 0
+    for k in range(LANES):
+        ready[count] = k
+        count += int((q[SIZE + k] < CELLS) & (q[SIZE + k] != IDLE))
+    return count
+
+
+@_inner
+def _decide(s: Array, q: Integers, k: int, highest: float, found: Integers, far: Array) -> int:  # pragma: no cover
+    """Write what the ray of lane k has met, and let it go; how many rays that were."""
+    ray, hit = q[RAY + k], q[SIZE + k] == HIT
+    q[SIZE + k], q[RAY + k] = IDLE, -1
+    if ray < 0:
+        return 0
+    above = (s[DZ + k] >= 0.0) & (s[OZ + k] + s[T + k] * s[DZ + k] > highest)
+    nothing = ESCAPED if above else LOST
+    found[ray], far[ray] = q[SIDE + k] if hit else nothing, s[T + k] if hit else math.inf
+    return 1
+
+
+@_inner
+def _fill(s: Array, q: Integers, k: int, new_s: Array, new_q: Integers, place: int, ray: int) -> None:  # pragma: no cover
+    """Put a ray into lane k."""
+    for row in range(0, 13 * LANES, LANES):
+        s[row + k] = new_s[row + place]
+    for row in range(0, 7 * LANES, LANES):
+        q[row + k] = new_q[row + place]
+    q[RAY + k] = ray
 
 
 @_inner
@@ -580,30 +656,6 @@ def _return(
         facet[ray], distance[ray] = found[k], far[k]
 
 
-@_inner
-def _decide(s: Array, q: Integers, k: int, highest: float, found: Integers, far: Array) -> bool:  # pragma: no cover
-    """Whether lane k is free; if its ray has just been decided, the result is written."""
-    ray = q[RAY + k]
-    if q[SIZE + k] == HIT:
-        found[ray], far[ray] = q[SIDE + k], s[T + k]
-        return True
-    if q[SIZE + k] == GONE:
-        above = s[DZ + k] >= 0 and s[OZ + k] + s[T + k] * s[DZ + k] > highest
-        found[ray], far[ray] = ESCAPED if above else LOST, math.inf
-        return True
-    return q[SIZE + k] == IDLE
-
-
-@_inner
-def _leaving(q: Integers, ready: Integers) -> int:  # pragma: no cover
-    """Puts the lanes that have left the blocks in front; their number."""
-    count = 0
-    for k in range(LANES):
-        ready[count] = k
-        count += int((q[SIZE + k] < BASE) & (q[SIZE + k] != IDLE))
-    return count
-
-
 def _with_memory(job: tuple[Any, ...]) -> None:
     """`_trace` with memory that belongs to the thread."""
     if not hasattr(_thread, "memory"):
@@ -612,13 +664,15 @@ def _with_memory(job: tuple[Any, ...]) -> None:
 
 
 def _memory() -> tuple[Any, ...]:
-    """Memory for `_trace`: the lanes' state, the lanes that are ready, the next rays, their facets, the results."""
+    """Memory for `_trace`: the lanes' state, the lanes that are ready, the next rays, as given and as state, the results."""
     return (
         np.empty(13 * LANES),
         np.empty(7 * LANES, np.int64),
         np.empty(LANES, np.int64),
         np.empty(6 * LANES),
         np.empty(LANES, np.int64),
+        np.empty(13 * LANES),
+        np.empty(7 * LANES, np.int64),
         np.empty(CHUNK, np.int64),
         np.empty(CHUNK),
     )
