@@ -11,10 +11,13 @@ from __future__ import annotations
 import rivals_brdf
 import rivals_estimate
 import rivals_fresnel
+import rivals_growth
 import rivals_integral
 import rivals_masking
+import rivals_models
 import rivals_render
 import rivals_sampling
+import rivals_tracing
 from method import Method
 
 QUANTITIES: dict[str, dict[str, Method]] = {
@@ -23,6 +26,9 @@ QUANTITIES: dict[str, dict[str, Method]] = {
     "integral": rivals_integral.METHODS,
     "sampling": rivals_sampling.METHODS,
     "fresnel": rivals_fresnel.METHODS,
+    "models": rivals_models.METHODS,
     "estimate": rivals_estimate.METHODS,
     "render": rivals_render.METHODS,
+    "tracing": rivals_tracing.METHODS,
+    "growth": rivals_growth.METHODS,
 }

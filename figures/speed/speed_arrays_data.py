@@ -9,6 +9,7 @@ from rivals_brdf import METHODS as BRDF
 from rivals_fresnel import METHODS as FRESNEL
 from rivals_masking import METHODS as MASKING
 from rivals_sampling import METHODS as SAMPLING
+from yardsticks import FLAGS, GUESTS, words
 
 SHOWN = {"masking": MASKING, "brdf": BRDF, "sampling": SAMPLING, "fresnel": FRESNEL}
 
@@ -54,14 +55,24 @@ def call_cost() -> dict:
             "growth_exponents": np.array(exponent),
             "yardstick_words": np.array([row["words"] for row in yardsticks.values()] or [""]),
             "yardstick_times": np.array(other or [[np.nan] * len(sizes)]),
-            "optional": np.array([f"{n}: {said}" for n, said in read().get("brdf", {}).get("rivals", {}).items()] or [""]),
         }
     )
 
 
+def others() -> dict:
+    """What else evaluates the BRDF: words, nanoseconds a value among many, and what is to be said where there is none."""
+    kept, why = rows("brdf"), read().get("brdf", {}).get("rivals", {})
+    names = [*FLAGS, *GUESTS]
+    times = [kept[name]["seconds"][-1][1] / kept[name]["sizes"][-1] * 1e9 if name in kept else np.nan for name in names]
+    said = ["" if name in kept else why.get(name, "not measured") for name in names]
+    versions = [f" {kept[name]['version']}" if "version" in kept.get(name, {}) else "" for name in names]
+    told = [words(name).replace(",", f"{version},", 1) for name, version in zip(names, versions, strict=True)]
+    return {"others_words": np.array(told), "others_ns": np.array(times), "others_said": np.array(said)}
+
+
 def compute() -> dict:
     data = {name: values for quantity in SHOWN for name, values in panel(quantity).items()}
-    return rounded(data | call_cost(), digits=3)
+    return rounded(data | call_cost() | others(), digits=3)
 
 
 if __name__ == "__main__":

@@ -39,7 +39,7 @@ def dots(ax: plotting.Axes, data: dict, chosen: plotting.Array) -> None:
         face = colour if data["best"][k] else "white"
         ax.plot(middle, data["errors"][k], marker, color=colour, markerfacecolor=face, markersize=5, linestyle="")
     known = data["efforts"][chosen][np.isfinite(data["efforts"][chosen])]
-    ax.set(xscale="log", yscale="log", ylim=(3e-9, 0.05), xlim=(known.min() / 2, known.max() * 2) if len(known) else (1, 1e3))
+    ax.set(xscale="log", yscale="log", ylim=(3e-9, 0.05), xlim=(known.min() / 2, known.max() * 2) if len(known) else (2, 600))
     if not len(known):
         plotting.label(ax, (0.5, 0.5), "not measured yet:\nmake bench NAME=estimate", transform=ax.transAxes)
     ax.xaxis.set_major_locator(ticker.LogLocator(subs=(1, 3)))
@@ -59,8 +59,10 @@ def curves(ax: plotting.Axes, data: dict, chosen: plotting.Array) -> None:
     ax.set(yscale="log", xlabel=r"$\theta_o$ (degrees)", xlim=(0, 90), xticks=range(0, 91, 15))
     ax.legend(fontsize=7, loc="upper left", labelspacing=0.2, borderpad=0.2, handlelength=2.4)
     if np.isfinite(data["product"][chosen]).any():
-        top = np.nanmax(data["product"][chosen])
-        ax.set_ylim(None, top * 30)
+        ax.set_ylim(None, 30 * np.nanmax(data["product"][chosen]))
+    else:
+        plotting.label(ax, (0.5, 0.3), "not measured yet", transform=ax.transAxes)
+        ax.set_ylim(1, 100)
 
 
 def draw(data: dict) -> plotting.Figure:

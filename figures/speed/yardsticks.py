@@ -125,7 +125,8 @@ class Guest:
         if answer != "done\n":
             code = self.process.wait(START)
             lines = [line.strip() for line in (self.files / "said").read_text().splitlines() if line.strip()]
-            raise Refused(f"installed, but it ended with status {code}: {lines[-1][:200] if lines else 'it did not say why'}")
+            errors = [line for line in lines if "error" in line.lower()] or lines or ["it did not say why"]
+            raise Refused(f"installed, but it ended with status {code}: {errors[-1][:100]}")
 
     def error(self) -> float:
         """Largest relative error of what it found, over the first few values."""

@@ -18,7 +18,9 @@ import record  # noqa: E402
 import rivals  # noqa: E402
 import rivals_estimate  # noqa: E402
 import rivals_fresnel  # noqa: E402
+import rivals_growth  # noqa: E402
 import rivals_integral  # noqa: E402
+import rivals_tracing  # noqa: E402
 import yardsticks  # noqa: E402
 from microfacet.brdf.specular import Microfacet  # noqa: E402
 from microfacet.directions import spherical  # noqa: E402
@@ -69,6 +71,39 @@ def test_the_variance_is_within_its_interval(name: str) -> None:
     exact = rivals_estimate.estimates(sampler)([views, u], sampler.model(0.4).parameters)[:, 3].var()
     assert error < 0.1 * exact
     assert abs(found - exact) < 4 * error
+
+
+def test_an_enclosure_holds_the_area_and_is_as_narrow_as_asked() -> None:
+    exact = float(rivals_integral.area_exact())
+    for digits in (6, 12, 30):
+        found = rivals_integral.enclosed(digits)
+        assert abs(float(found.mid()) - exact) <= float(found.rad()) + 1e-15
+        assert float(found.rad()) < 10.0 ** (2 - digits)
+
+
+def test_scatter_falls_with_rays_and_with_the_size_of_the_surface(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rivals_tracing, "SURFACES", 8)
+    rivals_tracing.masking.cache_clear()
+    few, many, large = (rivals_tracing.scatter(*plan) for plan in ((128, 4), (128, 64), (512, 64)))
+    rivals_tracing.masking.cache_clear()
+    assert few > 1.5 * many > 1.5 * large > 0
+
+
+def test_a_power_is_fitted_to_what_is_known() -> None:
+    from speed_growth_data import power
+
+    sizes = np.array([1.0, 10, 100, 1000, 10000])
+    slope, error = power(sizes, np.array([7.0, 2e2, 2e4, np.nan, 2e8]), 10)
+    assert abs(slope - 2) < 1e-12
+    assert error < 1e-12
+    assert np.isnan(power(sizes, np.full(5, np.nan), 10)[0])
+
+
+def test_what_does_not_fit_into_memory_is_left_out(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    huge = dataclasses.replace(rivals_growth.METHODS["values"], sizes=(100, 10**15))
+    monkeypatch.setitem(rivals.QUANTITIES, "growth", {"values": huge})
+    assert [size for _, size, _ in bench.jobs("growth", 10**16)] == [100]
+    assert "size 1000000000000000 is left out: it takes" in capsys.readouterr().out
 
 
 def run(monkeypatch: pytest.MonkeyPatch, path: Path, *asked: str) -> dict[str, Any]:
