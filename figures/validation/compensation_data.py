@@ -42,6 +42,14 @@ def noise(entry: str) -> np.ndarray:
     return np.asarray(0.5 * np.sqrt(2 / np.pi) * error.sum(axis=(-2, -1)))
 
 
+def forward(entry: str) -> np.ndarray:
+    """Of the light that leaves surfaces after the first bounce, the share that goes on, away from the viewer, for each view."""
+    later = read(entry)["lobe"][:, :, 1].mean(axis=(0, 2))
+    turn = CAMPAIGN[entry].plan.lobe_edges[1]
+    on = abs(turn[1:] + turn[:-1]) > np.pi
+    return np.asarray(later[:, on].sum(axis=-1) / later.sum(axis=-1))
+
+
 def reflected(alpha: float, f0: float) -> np.ndarray:
     """Of light from everywhere, what metals of this F0 reflect: one bounce, both forms, walks, and the walks' error."""
     x, weigh = np.polynomial.legendre.leggauss(NODES)
@@ -61,6 +69,7 @@ def compute() -> dict:
             "names": ["one bounce", "lobe added", "scaled", "random walk"],
             "distance": np.array([distances(entry) for entry in ENTRIES]),
             "noise": np.array([noise(entry) for entry in ENTRIES]),
+            "forward": np.array([forward(entry) for entry in ENTRIES]),
             "metal_alpha": ALPHAS,
             "F0": F0,
             "metal": np.array([[reflected(alpha, f0) for f0 in F0] for alpha in ALPHAS]),

@@ -117,8 +117,8 @@ with sp.evaluate(False):
     phase = Equation(
         key="brdf.walk.phase",
         title="density of the directions into which a ray is mirrored",
-        symbol=raw("p_mirrored", r"p(\omega_o \rightarrow \omega_i)"),
-        means=F * om * D_h / shown / (4 * om),
+        symbol=raw("p_mirrored", r"p_{\omega_o}(\omega_i)"),
+        means=F * om * D_h / (4 * shown * om),
         equals=F * D_h / (4 * shown),
         over={F: (0.01, 1), D_h: (1e-6, 1e6), shown: (1e-8, 1), om: (1e-8, 1)},
         proved_by="sympy: the density of facets met, times what a solid angle of normals is per one of light",
@@ -129,8 +129,8 @@ with sp.evaluate(False):
     cap = Equation(
         key="brdf.walk.cap",
         title="the same for GGX of alpha = 1 and a ray that comes from below: evenly over a cap",
-        symbol=raw("p_cap", r"p(\omega_o \rightarrow \omega_i)"),
-        means=1 / (4 * sp.pi * (mu * ((-1 + sp.sqrt(1 + (1 - mu**2) / mu**2)) / 2))),
+        symbol=raw("p_cap", r"p_{\omega_o}(\omega_i)"),
+        means=1 / (2 * sp.pi * mu * (-1 + sp.sqrt(1 + (1 - mu**2) / mu**2))),
         equals=1 / (2 * sp.pi * (1 - mu)),
         over={mu: (0.01, 0.9)},
         proof=lambda it: _cap_steps(it),
