@@ -12,7 +12,7 @@ from microfacet import plotting
 SLIDES = (60,)
 MODEL = (
     "ray-traced surfaces, one bounce, perfect mirrors; Smith's models and V-cavities",
-    "the same; a reflectance would hide part of the differences",
+    "one bounce is held against one; a reflectance would hide part of the differences",
 )
 
 

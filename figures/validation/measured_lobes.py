@@ -16,7 +16,7 @@ from microfacet import plotting
 SLIDES = (60,)
 MODEL = (
     "ray-traced surfaces, one bounce, perfect mirrors; Smith's model and V-cavities",
-    "the same",
+    "a lobe of one bounce is held against models of one",
 )
 ROWS = ("V-cavities", "Smith", "measured")
 

@@ -85,7 +85,7 @@ class Candidate:
     def lobe(self, scene: Scene, point: Point, walks: int) -> Array:
         """What it sends into each bin; the random walk's own is a mean over many walks."""
         if self.compensation == "walk":
-            return walked(scene, point, walks).lobe
+            return walked(scene, point, walks, self.ndf(point)).lobe
         evaluate = self.evaluate(scene.material, point)
         return lobe_of(lambda wo, wi: evaluate(wo.astype(self.real), wi.astype(self.real)), scene, point)
 

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from microfacet.brdf.random_walk import RandomWalk
 from microfacet.brdf.specular import Microfacet
 from microfacet.enough.scene import NORMALS, Point, Scene
+from microfacet.geometry.slopes import Distribution
 from microfacet.material.fresnel import Fresnel, Mirror
 from microfacet.surface.gaussian import GaussianField
 from microfacet.surface.trace import ESCAPED, HeightField
@@ -150,12 +151,14 @@ def surface(scene: Scene, point: Point, surfaces: int) -> Reference:
     return Reference(np.array(lobes), f"{surfaces} ray-traced surfaces")
 
 
-def walked(scene: Scene, point: Point, walks: int) -> Reference:
+def walked(scene: Scene, point: Point, walks: int, ndf: Distribution | None = None) -> Reference:
     """From Smith's random walk: the first bounce by the rule over the bins, all others from so many walks, in `PARTS`.
+
+    ndf: the distribution of normals, by default the scene's.
 
     How many of the walks go on after the first bounce is known exactly: what mirrors do not send out at once.
     """
-    model = Smith(NORMALS[scene.normals](point.alpha_x, point.alpha_y))
+    model = Smith(NORMALS[scene.normals](point.alpha_x, point.alpha_y) if ndf is None else ndf)
     once = lobe_of(Microfacet(model, scene.material).evaluate, scene, point)
     if scene.bounces == "one":
         return Reference(np.array([once, once]), "Smith's model")

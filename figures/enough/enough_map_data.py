@@ -1,0 +1,53 @@
+"""Computes what the figure `enough_map` shows: errors of all candidates over roughness, and which is the cheapest within."""
+
+import sys
+
+import microfacet as mf
+import numpy as np
+from microfacet.datafile import rounded, store
+from microfacet.enough import cost
+from microfacet.enough.candidates import MASKINGS, Candidate
+from microfacet.enough.choice import MEASURES, Comparison, choice
+from microfacet.enough.scene import Scene
+
+ALPHA = np.geomspace(0.05, 1, 8)
+THETA = (0.0, 80.0)
+METAL = mf.Conductor(0.2, 3.9)  # close to silver in green light, as in the figure `spheres`
+SURFACES, WALKS = 12, 1 << 17
+NORMALS = ("ggx", "beckmann")
+
+
+def ordered(scene: Scene, costs: dict) -> list[Candidate]:
+    """The candidates for a scene, the cheapest first; in their own order where costs are unknown."""
+    return [row.candidate for row in choice(Comparison(scene, points=scene.points[:1]), "albedo", 1.0, costs).rows]
+
+
+def errors(normals: str, order: list[Candidate]) -> tuple[np.ndarray, np.ndarray]:
+    """What is sure to be no less than the error, and the bound in it: (measures, roughnesses, candidates)."""
+    most, bound = np.zeros((2, len(MEASURES), len(ALPHA), len(order)))
+    for k, alpha in enumerate(ALPHA):
+        comparison = Comparison(Scene(alpha, THETA, normals=normals, fresnel=METAL), SURFACES, WALKS)
+        for m, measure in enumerate(MEASURES):
+            found = [comparison.measured(one, measure) for one in order]
+            most[m, k], bound[m, k] = [one.most for one in found], [one.error.bound for one in found]
+    return most, bound
+
+
+def compute() -> dict:
+    costs = cost.recorded()
+    data: dict = {"alpha": ALPHA, "theta": THETA, "measures": np.array(list(MEASURES))}
+    for normals in NORMALS:
+        order = ordered(Scene(ALPHA[0], THETA, normals=normals, fresnel=METAL), costs)
+        most, bound = errors(normals, order)
+        data |= {
+            f"{normals}_maskings": np.array([MASKINGS[one.masking][0] for one in order]),
+            f"{normals}_words": np.array([one.words for one in order]),
+            f"{normals}_once": np.array([one.compensation == "none" for one in order]),
+            f"{normals}_most": most,
+            f"{normals}_bound": bound,
+        }
+    return rounded(data | {"timed": np.array(bool(costs))}, digits=5)
+
+
+if __name__ == "__main__":
+    store(sys.argv[1], **compute())
