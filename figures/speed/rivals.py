@@ -15,6 +15,7 @@ import rivals_growth
 import rivals_integral
 import rivals_masking
 import rivals_models
+import rivals_normals
 import rivals_render
 import rivals_sampling
 import rivals_tracing
@@ -22,6 +23,7 @@ from method import Method
 
 QUANTITIES: dict[str, dict[str, Method]] = {
     "masking": rivals_masking.METHODS,
+    "normals": rivals_normals.METHODS,
     "brdf": rivals_brdf.METHODS,
     "integral": rivals_integral.METHODS,
     "sampling": rivals_sampling.METHODS,

@@ -23,7 +23,7 @@ def lambda_erfcx(a: np.ndarray) -> np.ndarray:
 
 
 def lambda_walter(a: np.ndarray) -> np.ndarray:
-    return np.where(a < 1.6, (1 - 1.259 * a + 0.396 * a * a) / (3.535 * a + 2.181 * a * a), 0.0)
+    return np.where(a < 1.6, (1 - 1.259 * a + 0.396 * a * a) / (3.535 * a + 2.181 * a * a), a.dtype.type(0))
 
 
 def lambda_library(a: np.ndarray) -> np.ndarray:
@@ -49,7 +49,9 @@ METHODS = {
     "erfc": _lambda("SciPy's erfc, double", lambda_erfc, np.float64, (lambda_erfc,)),
     "erfc_single": _lambda("SciPy's erfc, single", lambda_erfc, np.float32, (lambda_erfc,)),
     "erfcx": _lambda("SciPy's erfcx, double", lambda_erfcx, np.float64, (lambda_erfcx,)),
+    "erfcx_single": _lambda("SciPy's erfcx, single", lambda_erfcx, np.float32, (lambda_erfcx,)),
     "walter": _lambda("Walter's fit, double", lambda_walter, np.float64, (lambda_walter,)),
+    "walter_single": _lambda("Walter's fit, single", lambda_walter, np.float32, (lambda_walter,)),
     "library": _lambda("this library, double", lambda_library, np.float64, (LAMBDA._batch,)),
     "library_single": _lambda("this library, single", lambda_library, np.float32, (LAMBDA._batch,)),
 }

@@ -8,10 +8,11 @@ from record import fronts, read, rows, seconds, told
 from rivals_brdf import METHODS as BRDF
 from rivals_fresnel import METHODS as FRESNEL
 from rivals_masking import METHODS as MASKING
+from rivals_normals import METHODS as NORMALS
 from rivals_sampling import METHODS as SAMPLING
 from yardsticks import FLAGS, GUESTS, words
 
-SHOWN = {"masking": MASKING, "brdf": BRDF, "sampling": SAMPLING, "fresnel": FRESNEL}
+SHOWN = {"masking": MASKING, "normals": NORMALS, "brdf": BRDF, "sampling": SAMPLING, "fresnel": FRESNEL}
 
 
 def panel(quantity: str) -> dict:
@@ -25,6 +26,7 @@ def panel(quantity: str) -> dict:
     return alone | {
         f"{quantity}_names": np.array(list(methods)),
         f"{quantity}_words": np.array([method.words for method in methods.values()]),
+        f"{quantity}_kinds": np.array([method.kind for method in methods.values()]),
         f"{quantity}_errors": np.array(errors),
         f"{quantity}_times": np.array(times),
         f"{quantity}_best": best,

@@ -26,8 +26,8 @@ from microfacet.brdf.specular import Microfacet  # noqa: E402
 from microfacet.directions import spherical  # noqa: E402
 
 FRESNEL = rivals_fresnel.METHODS
-EXACT = {"masking": 1e-6, "brdf": 2e-6, "sampling": 5e-6, "fresnel": 2e-6}
-FITS = {"walter": 4e-3, "schlick": 0.3, "schlick_single": 0.3}
+EXACT = {"masking": 1e-6, "normals": 2e-6, "brdf": 2e-6, "sampling": 5e-6, "fresnel": 2e-6}
+FITS = {"walter": 4e-3, "walter_single": 4e-3, "schlick": 0.3, "schlick_single": 0.3}
 
 
 @pytest.mark.parametrize("quantity", EXACT)
@@ -125,7 +125,7 @@ def test_a_benchmark_is_renewed_by_name(tmp_path: Path, monkeypatch: pytest.Monk
 
 
 def test_an_unknown_benchmark_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(SystemExit, match="No benchmark frensel; there are masking, brdf"):
+    with pytest.raises(SystemExit, match="No benchmark frensel; there are masking, normals, brdf"):
         run(monkeypatch, tmp_path / "none.json", "frensel")
 
 
