@@ -1,0 +1,257 @@
+"""Random walks in Smith's model: all light comes back, the first bounce is the BRDF, and the rest is what it lacks."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from functools import cache
+from typing import Any
+
+import microfacet as mf
+import numpy as np
+import pytest
+from microfacet.brdf.random_walk import FACETS, LONGEST, Bounces, drawn, gaussian_excess, gaussian_seen, stream
+from microfacet.directions import spherical
+from microfacet.kernels import Batch
+from microfacet.material.fresnel import Fresnel
+from samples import UP, uniform, views
+from scipy import integrate, stats
+
+pytestmark = pytest.mark.xdist_group("brdf")
+
+NDFS = [mf.GGX(1.0), mf.Beckmann(1.0), mf.GGX(0.5, 0.2), mf.Beckmann(0.2, 0.6)]
+WALKS = [mf.RandomWalk(mf.Smith(ndf)) for ndf in NDFS]
+VIEWS = views(0, 30, 60, 80, 89)
+COUNT, SIGMAS = 1 << 17, 4.5  # walks; standard errors that a right result hardly ever exceeds
+
+
+@cache
+def counted(k: int) -> Bounces:
+    return WALKS[k].albedo_by_bounce(VIEWS, COUNT, orders=5)
+
+
+@pytest.mark.parametrize("k", range(len(NDFS)), ids=map(repr, NDFS))
+def test_every_walk_ends_and_loses_nothing(k: int) -> None:
+    found = counted(k)
+    np.testing.assert_array_equal(found.under_way, 0)
+    np.testing.assert_allclose(found.value.sum(axis=-1) + found.more, 1, rtol=1e-12)
+
+
+@pytest.mark.parametrize("k", range(len(NDFS)), ids=map(repr, NDFS))
+def test_the_first_bounce_has_the_albedo_of_the_brdf(k: int) -> None:
+    """By quadrature, with G2 correlated by height; the separable G2 would be far off."""
+    found = counted(k)
+    error = np.maximum(found.error[:, 0], 1 / COUNT)
+    assert (abs(found.value[:, 0] - WALKS[k].single.albedo(VIEWS)) < SIGMAS * error).all()
+    separable = mf.Microfacet(mf.Smith(NDFS[k], "none")).albedo(VIEWS)
+    assert (abs(found.value[:, 0] - separable) > 3 * SIGMAS * error).any()
+
+
+@pytest.mark.parametrize("k", [0, 1, 2], ids=map(repr, NDFS[:3]))
+def test_the_first_bounce_of_connections_is_the_brdf(k: int) -> None:
+    wo, wi = VIEWS[:4, None], views(10, 50, 70, azimuth=160)
+    once, _ = WALKS[k].connections(wo, wi, 1 << 14)
+    exact = WALKS[k].single.evaluate(wo, wi)
+    assert (abs(once.value - exact) < SIGMAS * once.error + 1e-3 * exact).all()
+
+
+@pytest.mark.parametrize("k", range(len(NDFS)), ids=map(repr, NDFS))
+def test_the_lobe_of_later_bounces_holds_what_the_first_lacks(k: int) -> None:
+    """The furnace, by directions: it fails if densities, areas or chances of leaving do not fit one another."""
+    t, w = np.polynomial.legendre.leggauss(24)
+    cosine, turn = (t + 1) / 2, 2 * np.pi * (np.arange(32) + 0.5) / 32
+    wi, weight = spherical(np.arccos(cosine)[:, None], turn), (w / 2 * cosine)[:, None] * 2 * np.pi / 32
+    for wo in VIEWS[[0, 2]]:
+        _, later = WALKS[k].connections(wo, wi, 512)
+        value, error = np.sum(weight * later.value), np.sqrt(np.sum((weight * later.error) ** 2))
+        assert value == pytest.approx(1 - float(WALKS[k].single.albedo(wo)), abs=SIGMAS * error)
+        assert error < 0.01
+
+
+@pytest.mark.parametrize("k", [0, 1], ids=map(repr, NDFS[:2]))
+def test_light_and_viewer_may_change_places(k: int) -> None:
+    wo, wi = VIEWS[1:4, None], views(10, 50, 70, azimuth=160)
+    there, back = WALKS[k].connections(wo, wi, 1 << 14, 1)[1], WALKS[k].connections(wi, wo, 1 << 14, 2)[1]
+    assert (abs(there.value - back.value) < SIGMAS * np.hypot(there.error, back.error)).all()
+    assert (there.error < 0.1 * there.value).all()
+
+
+@pytest.mark.parametrize("k", [0, 2], ids=map(repr, [NDFS[0], NDFS[2]]))
+def test_samples_leave_as_connections_say(k: int) -> None:
+    """Walks that end near a direction after more than one bounce, against what walks send there."""
+    wo, axis, half = views(40)[0], spherical(0.7, 2.5), np.cos(np.radians(10))
+    wi, weight, bounces = WALKS[k].sample(wo, uniform(1 << 18, 5))
+    np.testing.assert_allclose(np.linalg.norm(wi, axis=-1), 1, rtol=1e-12)
+    assert (wi[:, 2] > 0).all()
+    np.testing.assert_array_equal(weight, 1)
+    count = int(((wi @ axis > half) & (bounces > 1)).sum())
+    height, turn = np.meshgrid(half + (1 - half) * (np.arange(8) + 0.5) / 8, 2 * np.pi * (np.arange(16) + 0.5) / 16)
+    near = _around(axis, height.ravel(), turn.ravel())
+    _, later = WALKS[k].connections(wo, near, 2048)
+    share = 2 * np.pi * (1 - half) * later.value * near[:, 2]
+    error = np.hypot(np.sqrt(count) / (1 << 18), np.sqrt(np.mean(share**2) / 2048 * 10 / len(near)) + 2e-3 * share.mean())
+    assert count / (1 << 18) == pytest.approx(share.mean(), abs=SIGMAS * error)
+
+
+def _around(axis: np.ndarray, height: np.ndarray, turn: np.ndarray) -> np.ndarray:
+    first = np.cross(axis, [0, 0, 1])
+    first /= np.linalg.norm(first)
+    across = np.sqrt(1 - height**2)[:, None] * (np.cos(turn)[:, None] * first + np.sin(turn)[:, None] * np.cross(axis, first))
+    return np.asarray(height[:, None] * axis + across)
+
+
+# --- facets ---------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("ndf", NDFS, ids=repr)
+@pytest.mark.parametrize("degrees", [20.0, 75.0, 90.0, 105.0, 150.0])
+def test_facets_are_met_in_proportion_to_what_they_show(ndf: Any, degrees: float) -> None:
+    """The mean of a function of the normal, against its integral over slopes."""
+    v = spherical(np.radians(degrees), 0.8)
+    kernel = FACETS[type(ndf)]
+
+    def facet(u1: float, u2: float, p: Any) -> tuple[float, float, float]:
+        return kernel(p[1][0], p[1][1], p[1][2], u1, u2, stream(u1, u2, 0), 3, p[0])
+
+    found = Batch(facet, [1, 1], 3)([*uniform(1 << 16, 9).T], ((ndf.parameters, ndf.scale), tuple(map(float, v))))
+    assert (found @ v > -1e-12).all()
+    assert (found[:, 2] > 0).all()
+    m, shows = _slopes(ndf, v)
+    for function in (lambda m: m[..., 2], lambda m: np.abs(m[..., 0] - 0.3 * m[..., 1]), lambda m: (m @ v) ** 2):
+        expected = float(np.sum(shows * function(m)) / shows.sum())
+        values = function(found)
+        assert values.mean() == pytest.approx(expected, abs=SIGMAS * values.std() / 256 + 2e-3 * abs(expected))
+
+
+def _slopes(ndf: Any, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Normals over slopes whose length is a tangent, and what their facets show to v."""
+    t, w = np.polynomial.legendre.leggauss(400)
+    angle, turn = np.pi / 4 * (t + 1), 2 * np.pi * (np.arange(720) + 0.5) / 720
+    r = np.tan(angle)[:, None]
+    slopes = ndf.scale[0] * r * np.cos(turn), ndf.scale[1] * r * np.sin(turn)
+    z = 1 / np.sqrt(1 + slopes[0] ** 2 + slopes[1] ** 2)
+    m = np.stack([-slopes[0] * z, -slopes[1] * z, z], axis=-1)
+    area = np.maximum(m @ v, 0) * ndf.D(m) * z**3 * r / np.cos(angle)[:, None] ** 2 * w[:, None]
+    return m, area
+
+
+@pytest.mark.parametrize("c", [0.05, 0.6, 0.9, 3.0])
+def test_slopes_by_rejection_have_their_density(c: float) -> None:
+    keys = [stream(float(a), float(b), 0) for a, b in uniform(4000, 3)]
+    for draw, density, low, high in (
+        (gaussian_excess, lambda y: y * np.exp(-y * y - 2 * c * y), 0.0, 8.0),
+        (gaussian_seen, lambda x: (c - x) * np.exp(-x * x), -8.0, c),
+    ):
+        whole = integrate.quad(density, low, high)[0]
+        share = np.vectorize(lambda x, f=density, a=low, s=whole: integrate.quad(f, a, x)[0] / s)
+        assert stats.kstest([draw(c, key, 0) for key in keys], share).pvalue > 1e-4
+
+
+# --- random numbers -------------------------------------------------------------------------------------------------------
+
+
+def test_random_numbers_are_the_same_compiled() -> None:
+    def number(u1: float, u2: float, p: Any) -> tuple[float, float]:
+        return drawn(stream(u1, u2, 3), 7), drawn(stream(u1, u2, 4), 1025)
+
+    u = uniform(50, 2)
+    expected = [number(float(a), float(b), ()) for a, b in u]
+    np.testing.assert_array_equal(Batch(number, [1, 1], 2)([*u.T]), expected)
+
+
+def test_random_numbers_are_even_and_streams_apart() -> None:
+    rows = np.array([[drawn(stream(0.25, k / 64, 0), j) for j in range(200)] for k in range(64)])
+    assert stats.kstest(rows.ravel(), "uniform").pvalue > 1e-3
+    assert abs(np.corrcoef(rows)[~np.eye(64, dtype=bool)]).max() < 5 / np.sqrt(200)
+    assert len(np.unique(rows)) == rows.size
+
+
+COUNTING = """
+import microfacet as mf, numpy as np
+walk = mf.RandomWalk(mf.Smith(mf.GGX(0.5, 0.2)))
+print(walk.albedo_by_bounce([[0, 0.6, 0.8], [0, 0, 1]], 1 << 17, 3).value.tolist())
+print(walk.evaluate([0, 0.6, 0.8], [[0, 0, 1]] * 3, 1 << 10, 3).value.tolist())
+"""
+
+
+def test_threads_do_not_matter_and_seeds_do() -> None:
+    told = []
+    for threads in ("1", "3"):
+        environment = {**os.environ, "MICROFACET_THREADS": threads}
+        run = subprocess.run([sys.executable, "-c", COUNTING], env=environment, capture_output=True, text=True, check=True)
+        told.append(run.stdout)
+    assert told[0] == told[1]
+    one, other = (WALKS[2].albedo_by_bounce(UP, 1 << 12, seed).value for seed in (0, 1))
+    assert (one != other).any()
+
+
+# --- reflectance ----------------------------------------------------------------------------------------------------------
+
+
+def half(c: float, p: Any) -> float:
+    return 0.5
+
+
+class Grey(Fresnel):
+    kernel = staticmethod(half)
+    parameters = ()
+
+
+def test_a_grey_facet_counts_once_a_bounce() -> None:
+    """With the same reflectance at every angle, shares are those of mirrors times its powers."""
+
+    grey = mf.RandomWalk(mf.Smith(NDFS[0]), Grey()).albedo_by_bounce(VIEWS, COUNT, orders=5)
+    np.testing.assert_allclose(grey.value, counted(0).value * 0.5 ** np.arange(1, 6), rtol=1e-12)
+
+
+def test_metals_lose_more_with_every_bounce() -> None:
+    gold = mf.RandomWalk(mf.Smith(NDFS[0]), mf.Conductor(0.18, 3.4))
+    found, mirrors = gold.albedo_by_bounce(VIEWS, COUNT, orders=4), counted(0)
+    ratio = found.value[:3] / mirrors.value[:3, :4]
+    assert (np.diff(ratio, axis=-1) < 0).all()
+    whole = gold.albedo(VIEWS, COUNT)
+    total = found.value.sum(axis=-1) + found.more
+    assert (abs(whole.value - total) < SIGMAS * np.hypot(found.error[:, 0], 1e-5)).all()
+    assert ((whole.value > 0.5) & (whole.value < 1)).all()
+
+
+# --- the public face ------------------------------------------------------------------------------------------------------
+
+
+def test_nothing_comes_from_below() -> None:
+    wi, weight, bounces = WALKS[0].sample([0.6, 0, -0.8], [0.3, 0.4])
+    assert (*wi, weight, bounces) == (0, 0, 0, 0, 0)
+    value, error = WALKS[0].evaluate([[0.6, 0, 0.8], [0.6, 0, -0.8]], [[0, 0.6, -0.8], [0, 0, 1]], 16)
+    np.testing.assert_array_equal([value, error], 0)
+
+
+def test_precision_and_shapes_follow_the_arguments() -> None:
+    wi, weight, bounces = WALKS[0].sample(VIEWS[:, None].astype(np.float32), uniform(3, 1).astype(np.float32))
+    assert (wi.dtype, weight.dtype, bounces.dtype) == (np.float32, np.float32, np.int64)
+    assert (wi.shape, weight.shape, bounces.shape) == ((5, 3, 3), (5, 3), (5, 3))
+    assert WALKS[0].evaluate(VIEWS[:, None], VIEWS[None, :2], 8).value.shape == (5, 2)
+    assert counted(0).value.shape == (5, 5)
+    assert WALKS[0].albedo(UP, 16).value.shape == ()
+
+
+@pytest.mark.parametrize("wrong", [mf.VCavity(mf.GGX(0.3)), mf.Smith(mf.Ward(0.3)), mf.Smith(mf.GGX(0.3), "none"), None])
+def test_other_models_are_refused(wrong: Any) -> None:
+    with pytest.raises(ValueError, match="model must be Smith"):
+        mf.RandomWalk(wrong)
+
+
+def test_wrong_arguments_are_named() -> None:
+    for wrong in (1, 2.5, True, "many"):
+        with pytest.raises(ValueError, match="walks must be a whole number of at least 2, got"):
+            WALKS[0].albedo_by_bounce(UP, wrong)
+    with pytest.raises(ValueError, match=r"u must lie in \[0, 1\)"):
+        WALKS[0].sample(UP, [0.5, 1.0])
+    with pytest.raises(ValueError, match="orders must be a whole number"):
+        WALKS[0].albedo_by_bounce(UP, 16, orders=0)
+
+
+def test_the_walks_need_their_longest() -> None:
+    """No walk of these comes near the number of bounces after which it would be given up."""
+    _, _, bounces = WALKS[0].sample(UP, uniform(1 << 16, 4))
+    assert 5 < bounces.max() < LONGEST / 10
