@@ -3,7 +3,10 @@
 Kernels of plain floats (see microfacet.kernels). Source: dekker1971.
 """
 
-from math import exp, pi
+from collections.abc import Sequence
+from math import exp
+
+import numpy as np
 
 from microfacet.kernels import ByPrecision
 
@@ -58,34 +61,49 @@ def exp_minus_squares(x: float, y: float, alpha_x: float, alpha_y: float, z: flo
     return root * (root * min(factor, LARGEST)) * (1.0 - (error + p_error + q_error + 2.0 * (p * p_rest + q * q_rest)))
 
 
+# sin(2 pi t)/t in powers of t^2 for |t| up to a quarter: relative error under 3e-19, in single precision 6e-9, before rounding
+SINE = (
+    6.283185307179586,
+    -41.34170224039931,
+    81.60524927593018,
+    -76.70585973513714,
+    42.05869284572465,
+    -15.094605693659318,
+    3.819261191136815,
+    -0.7112784445783067,
+    0.07545319021281638,
+)
+SINE_SINGLE = (6.2831854820251465, -41.341758728027344, 81.60794830322266, -76.70996856689453, 40.731327056884766)
+
+
+def sine_per_turn(s: float) -> float:
+    """sin(2 pi t)/t given s = t^2, t a share of a full turn, at most a quarter."""
+    total = 0.0
+    for coefficient in reversed(SINE):
+        total = total * s + coefficient
+    return total
+
+
+def _horner(coefficients: Sequence[float]) -> str:
+    """The text of a polynomial as a kernel without a loop."""
+    nested = f"R({coefficients[-1]!r})"
+    for coefficient in reversed(coefficients[:-1]):
+        nested = f"({nested} * s + R({coefficient!r}))"
+    return f"def unnamed(s):\n    return {nested}"
+
+
+sine_per_turn.__compiled__ = {np.float64: _horner(SINE), np.float32: _horner(SINE_SINGLE)}  # type: ignore[attr-defined]
+
+
 def turn(u: float) -> tuple[float, float]:
     """Cosine and sine of the share u, in [0, 1], of a full turn, to an ulp or two and without a branch or a call.
 
-    The nearest quarter turn is taken off exactly; for the rest, at most an eighth, Taylor's series suffice.
+    The nearest half turn is taken off exactly. Of the rest the sine is a polynomial, the cosine that of what it lacks of a
+    quarter turn: so both keep their digits where they are small.
     """
-    quarters = (1.0 if u >= 0.125 else 0.0) + (1.0 if u >= 0.375 else 0.0)
-    quarters += (1.0 if u >= 0.625 else 0.0) + (1.0 if u >= 0.875 else 0.0)
-    x = (2.0 * pi) * (u - 0.25 * quarters)
-    s = x * x
-    odd = 1.0 / 1307674368000.0
-    odd = 1.0 / 6227020800.0 - s * odd
-    odd = 1.0 / 39916800.0 - s * odd
-    odd = 1.0 / 362880.0 - s * odd
-    odd = 1.0 / 5040.0 - s * odd
-    odd = 1.0 / 120.0 - s * odd
-    odd = 1.0 / 6.0 - s * odd
-    sine = x - x * (s * odd)
-    even = 1.0 / 20922789888000.0
-    even = 1.0 / 87178291200.0 - s * even
-    even = 1.0 / 479001600.0 - s * even
-    even = 1.0 / 3628800.0 - s * even
-    even = 1.0 / 40320.0 - s * even
-    even = 1.0 / 720.0 - s * even
-    even = 1.0 / 24.0 - s * even
-    cosine = 1.0 - s * (0.5 - s * even)
-    crossed = abs(abs(quarters - 2.0) - 1.0) < 0.5
-    along = sine if crossed else cosine
-    aside = cosine if crossed else sine
-    along = -along if abs(quarters - 1.5) < 1.0 else along
-    aside = -aside if abs(quarters - 2.5) < 1.0 else aside
-    return along, aside
+    half = 0.5 if u >= 0.25 else 0.0
+    half = 1.0 if u >= 0.75 else half
+    t = u - half
+    lack = 0.25 - abs(t)
+    lack, t = (-lack, -t) if half == 0.5 else (lack, t)
+    return lack * sine_per_turn(lack * lack), t * sine_per_turn(t * t)

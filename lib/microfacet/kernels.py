@@ -425,23 +425,33 @@ class Batch:
         An `Argument` among them is checked while it is read. If it holds a number that it may not, a ValueError names both,
         and what `out` then holds is of no use.
         """
-        inputs = [a.array if isinstance(a, Argument) else np.asarray(a) for a in arrays]
-        kinds = tuple([a.kind if isinstance(a, Argument) else "" for a in arrays])
-        real = np.float32 if all(a.dtype == _SINGLE for a in inputs) else np.float64
-        shapes = [a.shape[:-1] if w > 1 else a.shape for a, w in zip(inputs, self.widths, strict=True)]
+        inputs, kinds, shapes = [], [], []
+        real: type = np.float32
+        for given, width in zip(arrays, self.widths, strict=True):
+            _, array, kind = given if type(given) is Argument else ("", np.asarray(given), "")
+            inputs.append(array)
+            kinds.append(kind)
+            shapes.append(array.shape[:-1] if width > 1 else array.shape)
+            if array.dtype != _SINGLE:
+                real = np.float64
         shape = shapes[0]
         if shapes.count(shape) != len(shapes):
             shape = np.broadcast_shapes(*shapes)
         count = math.prod(shape)
-        flat = [_flatten(a, w, s, shape, real) for a, w, s in zip(inputs, self.widths, shapes, strict=True)]
-        full = (*shape, self.outputs) if self.outputs > 1 else shape
-        result = _result(out, full, real)
-        single = tuple([count != 1 and a.size == w for a, w in zip(flat, self.widths, strict=True)])
-        loop, packed_parameters = self._prepared(real, parameters, single, kinds)
+        flat, single = [], []
+        for array, width, own in zip(inputs, self.widths, shapes, strict=True):
+            flat.append(_flatten(array, width, own, shape, real))
+            single.append(count != 1 and array.size == width)
+        result = _result(out, (*shape, self.outputs) if self.outputs > 1 else shape, real)
+        loop, packed_parameters = self._prepared(real, parameters, tuple(single), tuple(kinds))
         target = result.reshape(-1)
-        if count == 0 or not _share(lambda start, stop: loop(start, stop, *flat, packed_parameters, target), count):
+        if not 0 < count <= CHUNK:
+            good = count > 0 and _share(lambda start, stop: loop(start, stop, *flat, packed_parameters, target), count)
+        else:
+            good = loop(0, count, *flat, packed_parameters, target)
+        if not good:
             _refuse(arrays)
-        return result if full or out is not None else result[()]
+        return result if result.ndim or out is not None else result[()]
 
 
 _SINGLE = np.dtype(np.float32)

@@ -29,16 +29,18 @@ def unstretched(x: float, y: float, z: float, alpha_x: float, alpha_y: float) ->
 def sample_ggx(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float]:
     """A visible normal of GGX: mirror directions fill a spherical cap uniformly.
 
-    The height on the cap is kept as its distance from the lower rim, so that no difference of near numbers is taken.
+    The height on the cap is kept as its distance from the lower rim, so that no difference of near numbers is taken. The
+    unstretched view need not have unit length: all else is longer by as much, until the normal is.
     """
     alpha_x, alpha_y = p[0]
-    vx, vy, vz = unstretched(ox, oy, oz if oz > 0.0 else 1.0, alpha_x, alpha_y)
-    above = (1.0 - u2) * (1.0 + vz)
-    below = (vx * vx + vy * vy) / (1.0 + vz)
-    radius = sqrt((above + below) * (u2 * (1.0 + vz)))
+    x, y, z = alpha_x * ox, alpha_y * oy, oz if oz > 0.0 else 1.0
+    square = x * x + y * y
+    height = z + sqrt(square + z * z)
+    above = (1.0 - u2) * height
+    radius = sqrt(u2 * (above * height + square))
     c, s = turn(u1)
-    hx = alpha_x * (radius * c + vx)
-    hy = alpha_y * (radius * s + vy)
+    hx = alpha_x * (radius * c + x)
+    hy = alpha_y * (radius * s + y)
     scale = (1.0 if oz > 0.0 else 0.0) / sqrt(hx * hx + hy * hy + above * above)
     return scale * hx, scale * hy, scale * above
 
