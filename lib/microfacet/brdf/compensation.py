@@ -183,22 +183,22 @@ def mean_over_directions(function: Callable[[Any], Any], turns: int) -> float:
 
 @cache
 def compensated(single: Callable[..., float], form: str, turns: int) -> Batch:
-    """The loop of the whole BRDF. Parameters: those of the BRDF, then (alpha_x, alpha_y), the table and one factor."""
+    """The loop of the whole BRDF. Parameters: those of the BRDF as one, then (alpha_x, alpha_y), the table and one factor."""
     lacking = interpolation(STEPS, turns)
 
     def with_lobe(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
         if not (oz > 0.0 and iz > 0.0):
             return 0.0
-        alpha_x, alpha_y = p[2]
-        added = lacking(ox, oy, oz, alpha_x, alpha_y, p[3]) * lacking(ix, iy, iz, alpha_x, alpha_y, p[3])
-        return single(ox, oy, oz, ix, iy, iz, p) + p[4][0] * added
+        alpha_x, alpha_y = p[1]
+        added = lacking(ox, oy, oz, alpha_x, alpha_y, p[2]) * lacking(ix, iy, iz, alpha_x, alpha_y, p[2])
+        return single(ox, oy, oz, ix, iy, iz, p[0]) + p[3][0] * added
 
     def scaled(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
         if not (oz > 0.0 and iz > 0.0):
             return 0.0
-        alpha_x, alpha_y = p[2]
-        lost = lacking(ox, oy, oz, alpha_x, alpha_y, p[3])
-        return single(ox, oy, oz, ix, iy, iz, p) * stated_scale(p[4][0], 1.0 - lost)
+        alpha_x, alpha_y = p[1]
+        lost = lacking(ox, oy, oz, alpha_x, alpha_y, p[2])
+        return single(ox, oy, oz, ix, iy, iz, p[0]) * stated_scale(p[3][0], 1.0 - lost)
 
     return over_pairs(with_lobe if form == "lobe" else scaled)
 
@@ -227,8 +227,9 @@ class Compensated:
         self.added = self._added()
         factor = self.added / (pi * (1 - self.mean_albedo)) if form == "lobe" else self.added
         table = tabulated(self.mirrors, self.turns)
-        self.parameters = (*brdf.parameters, (alpha_x, alpha_y), table, (factor,))
-        self._batch = compensated(evaluation_of(brdf.model, brdf.fresnel).function, form, self.turns)
+        once, parameters = evaluation_of(brdf.model, brdf.fresnel)
+        self.parameters = (parameters, (alpha_x, alpha_y), table, (factor,))
+        self._batch = compensated(once.function, form, self.turns)
 
     def _added(self) -> float:
         """What facets leave of the light of later bounces: by their mean reflectance, or by that at normal incidence."""
