@@ -183,7 +183,7 @@ def mean_over_directions(function: Callable[[Any], Any], turns: int) -> float:
 
 @cache
 def compensated(single: Callable[..., float], form: str, turns: int) -> Batch:
-    """The loop of the whole BRDF. Parameters: those of the BRDF as one, then (alpha_x, alpha_y), the table and one factor."""
+    """The loop of the whole BRDF. Parameters: those of one bounce's, (alpha_x, alpha_y), the table, one factor."""
     lacking = interpolation(STEPS, turns)
 
     def with_lobe(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
@@ -227,9 +227,9 @@ class Compensated:
         self.added = self._added()
         factor = self.added / (pi * (1 - self.mean_albedo)) if form == "lobe" else self.added
         table = tabulated(self.mirrors, self.turns)
-        once, parameters = evaluation_of(brdf.model, brdf.fresnel)
+        single, parameters = evaluation_of(brdf.model, brdf.fresnel)
         self.parameters = (parameters, (alpha_x, alpha_y), table, (factor,))
-        self._batch = compensated(once.function, form, self.turns)
+        self._batch = compensated(single.function, form, self.turns)
 
     def _added(self) -> float:
         """What facets leave of the light of later bounces: by their mean reflectance, or by that at normal incidence."""

@@ -1,0 +1,92 @@
+"""Light of later bounces made up for: all of it comes back for F = 1, and what is added is what is stated."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import microfacet as mf
+import numpy as np
+import pytest
+from microfacet.brdf.compensation import FORMS
+from microfacet.directions import spherical
+from samples import UP, hemisphere, views
+
+pytestmark = pytest.mark.xdist_group("brdf")
+
+SINGLES = [mf.Microfacet(mf.Smith(ndf)) for ndf in (mf.GGX(1.0), mf.GGX(0.02), mf.Beckmann(0.5), mf.GGX(0.5, 0.2))]
+VIEWS = views(0, 40, 75, 89)
+
+
+def furnace(brdf: Any, wo: np.ndarray) -> float:
+    """The albedo by a rule over the hemisphere, for rough surfaces."""
+    t, w = np.polynomial.legendre.leggauss(256)
+    cosine, turn = (t + 1) / 2, 2 * np.pi * (np.arange(256) + 0.5) / 256
+    wi = spherical(np.arccos(cosine)[:, None], turn)
+    return float(np.sum(brdf.evaluate(wo, wi) * (w / 2 * cosine)[:, None]) * 2 * np.pi / 256)
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("single", [SINGLES[0], SINGLES[2], SINGLES[3]], ids=repr)
+def test_perfect_mirrors_return_all_light(single: mf.Microfacet, form: str) -> None:
+    brdf = mf.Compensated(single, form)
+    np.testing.assert_allclose(brdf.albedo(VIEWS), 1, rtol=1e-12)
+    for wo in VIEWS[:3]:
+        assert furnace(brdf, wo) == pytest.approx(1, abs=2e-4)
+        assert furnace(single, wo) < 0.999
+
+
+@pytest.mark.parametrize("single", SINGLES, ids=repr)
+def test_the_table_is_the_albedo(single: mf.Microfacet) -> None:
+    brdf, wo, wi = mf.Compensated(single), hemisphere(200, 1), hemisphere(200, 2)
+    lacking = (1 - single.albedo(wo)) * (1 - single.albedo(wi))
+    factor = np.pi * (1 - brdf.mean_albedo)
+    added = (brdf.evaluate(wo, wi) - single.evaluate(wo, wi)) * factor
+    np.testing.assert_allclose(added, lacking, atol=2e-5, rtol=1e-9)
+
+
+def test_mean_albedo_at_the_exact_point() -> None:
+    assert mf.Compensated(SINGLES[0]).mean_albedo == pytest.approx(4 / 3 * (1 - np.log(2)), rel=1e-6)
+
+
+def test_only_the_lobe_lets_light_and_viewer_change_places() -> None:
+    wo, wi = hemisphere(100, 3), hemisphere(100, 4)
+    for form, allowed in (("lobe", True), ("scaled", False)):
+        brdf = mf.Compensated(SINGLES[0], form)
+        assert np.allclose(brdf.evaluate(wo, wi), brdf.evaluate(wi, wo), rtol=1e-9) == allowed
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_metals_gain_less_than_mirrors_and_stay_below_one(form: str) -> None:
+    """And the albedo is the integral of the lobe; facets that reflect at grazing angles only gain next to nothing."""
+    metal = mf.Microfacet(SINGLES[0].model, mf.Schlick(0.6))
+    brdf, mirrors = mf.Compensated(metal, form), mf.Compensated(SINGLES[0], form)
+    gain = brdf.albedo(VIEWS) - metal.albedo(VIEWS)
+    assert ((gain > 0) & (gain < mirrors.albedo(VIEWS) - SINGLES[0].albedo(VIEWS)) & (brdf.albedo(VIEWS) < 1)).all()
+    assert furnace(brdf, VIEWS[1]) == pytest.approx(float(brdf.albedo(VIEWS[1])), abs=2e-4)
+    black = mf.Microfacet(SINGLES[0].model, mf.Schlick(1e-12))
+    np.testing.assert_allclose(mf.Compensated(black, form).albedo(UP), black.albedo(UP), atol=2e-3)
+
+
+def test_nearer_to_the_walk_than_one_bounce() -> None:
+    model = mf.Smith(mf.GGX(0.5))
+    metal = mf.Microfacet(model, mf.Conductor(0.18, 3.4))
+    whole = mf.RandomWalk(model, metal.fresnel).albedo(VIEWS[:3], 1 << 15)
+    once = whole.value - metal.albedo(VIEWS[:3])
+    assert (once > 0.05).all()
+    for form in FORMS:
+        assert (abs(whole.value - mf.Compensated(metal, form).albedo(VIEWS[:3])) < 0.25 * once).all()
+
+
+def test_below_the_horizon_and_single_precision() -> None:
+    brdf = mf.Compensated(SINGLES[0])
+    assert brdf.evaluate([0.6, 0, -0.8], UP) == brdf.evaluate(UP, [0.6, 0, -0.8]) == 0
+    single = brdf.evaluate(VIEWS.astype(np.float32), UP.astype(np.float32))
+    assert single.dtype == np.float32
+    np.testing.assert_allclose(single, brdf.evaluate(VIEWS, UP), rtol=1e-3)
+
+
+def test_wrong_arguments_are_named() -> None:
+    with pytest.raises(ValueError, match="form must be one of lobe, scaled, got 'more'"):
+        mf.Compensated(SINGLES[0], "more")
+    with pytest.raises(ValueError, match="brdf must be a BRDF of one bounce"):
+        mf.Compensated(SINGLES[0].model)  # type: ignore[arg-type]
