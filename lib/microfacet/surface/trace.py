@@ -116,7 +116,14 @@ class HeightField:
             for first in range(0, len(o), SORT):
                 part = slice(first, min(first + SORT, len(o)))
                 order = self._order(o[part], d[part])
-                rays = (o[part], d[part], own[part] if len(own) else own, order, facet[part], distance[part])
+                rays = (
+                    o[part].reshape(-1),
+                    d[part].reshape(-1),
+                    own[part] if len(own) else own,
+                    order,
+                    facet[part],
+                    distance[part],
+                )
                 count = part.stop - first
                 jobs = [(*field, *rays, k, min(k + CHUNK, count)) for k in range(0, count, CHUNK)]
                 for done in [pool.submit(_with_memory, job) for job in jobs]:
@@ -384,7 +391,8 @@ def _pass_blocks(s: Array, q: Integers, planes: Singles, mask: int, top: int, hi
         ny = y0 + side if clear & (not along_x) else ny
         now, nx, ny = now if above else t, nx if above else cx, ny if above else cy
         crossed = (((nx ^ cx) | (ny ^ cy)) >> (size + STEP)) != 0
-        wider = size + STEP if crossed & (size < top) else size
+        rises = (rate > 0.0) & (gap + rate * leave > 0.5 * side)
+        wider = size + STEP if (crossed | rises) & (size < top) else size
         new = wider if clear else size - STEP
         gone = ((dz >= 0.0) & (z + now * dz > highest)) | (now > _get(s, END + k))
         new = GONE if gone else new
@@ -471,10 +479,11 @@ def _fetch(
 ) -> None:  # pragma: no cover
     """Copy up to LANES rays next to each other: many reads of distant memory at once cost little more than one."""
     for k in range(min(last - first, LANES)):
-        ray = order[first + k] if len(order) else first + k
-        starts[k] = own[ray] if len(own) else -1
+        ray = _look(order, first + k) if len(order) else first + k
+        starts[k] = _look(own, ray) if len(own) else -1
         for axis in range(3):
-            fetched[axis * LANES + k], fetched[(3 + axis) * LANES + k] = o[ray, axis], d[ray, axis]
+            fetched[axis * LANES + k] = _look(o, 3 * ray + axis)
+            fetched[(3 + axis) * LANES + k] = _look(d, 3 * ray + axis)
 
 
 @_exact
@@ -570,26 +579,29 @@ def _trace(
 ) -> None:  # pragma: no cover
     """The rays first..last-1 of the order, in lanes that are filled again when enough of them are done."""
     _reset(q)
-    following, left = 0, last - first
+    following, left, idle = 0, last - first, 0
     while left > 0:
-        blocks, cells, done = _census(q)
-        if (blocks + cells > 0) & (done < SPARE):
+        blocks, cells = _census(q)
+        if (blocks + cells > 0) & (blocks + cells + idle > LANES - SPARE):
             if (blocks > 0) & (cells < MANY):
                 _pass_blocks(s, q, planes, (1 << bits) - 1, top, highest)
             else:
                 _pass_cells(s, q, z, bits)
             continue
         for at in range(_leaving(q, ready)):
-            k = ready[at]
+            k = _get(ready, at)
             left -= _decide(s, q, k, highest, found, far)
-            while q[SIZE + k] == IDLE and following < last - first:
+            if following < last - first:
                 place = following % LANES
                 if place == 0:
                     _fetch(fetched, starts, o, d, own, order, first + following, last)
                     _enter(new_s, new_q, fetched, starts, z, bits, top, highest)
                 _fill(s, q, k, new_s, new_q, place, following)
                 following += 1
-    _return(facet, distance, found, far, order, first, last)
+            else:
+                idle += 1
+    if len(order):
+        _return(facet, distance, found, far, order, first, last)
 
 
 @_inner
@@ -602,15 +614,14 @@ def _reset(q: Integers) -> None:  # pragma: no cover
 
 
 @_exact
-def _census(q: Integers) -> tuple[int, int, int]:  # pragma: no cover
-    """How many lanes pass blocks, how many wait for a step through cells, and how many are ready for another ray."""
+def _census(q: Integers) -> tuple[int, int]:  # pragma: no cover
+    """How many lanes pass blocks, and how many wait for a step through cells."""
     _wide()
-    blocks, cells, idle = 0, 0, 0
+    blocks, cells = 0, 0
     for k in range(LANES):
-        blocks += int(q[SIZE + k] >= BASE)
-        cells += int(q[SIZE + k] == CELLS)
-        idle += int(q[SIZE + k] == IDLE)
-    return blocks, cells, LANES - blocks - cells - idle
+        blocks += int(_get(q, SIZE + k) >= BASE)
+        cells += int(_get(q, SIZE + k) == CELLS)
+    return blocks, cells
 
 
 @_inner
@@ -618,21 +629,23 @@ def _leaving(q: Integers, ready: Integers) -> int:  # pragma: no cover
     """Puts the lanes that are ready for another ray in front; their number."""
     count = 0
     for k in range(LANES):
-        ready[count] = k
-        count += int((q[SIZE + k] < CELLS) & (q[SIZE + k] != IDLE))
+        _put(ready, count, k)
+        count += int((_get(q, SIZE + k) < CELLS) & (_get(q, SIZE + k) != IDLE))
     return count
 
 
 @_inner
 def _decide(s: Array, q: Integers, k: int, highest: float, found: Integers, far: Array) -> int:  # pragma: no cover
     """Write what the ray of lane k has met, and let it go; how many rays that were."""
-    ray, hit = q[RAY + k], q[SIZE + k] == HIT
-    q[SIZE + k], q[RAY + k] = IDLE, -1
+    ray, hit = _get(q, RAY + k), _get(q, SIZE + k) == HIT
+    _put(q, SIZE + k, IDLE)
+    _put(q, RAY + k, -1)
     if ray < 0:
         return 0
-    above = (s[DZ + k] >= 0.0) & (s[OZ + k] + s[T + k] * s[DZ + k] > highest)
-    nothing = ESCAPED if above else LOST
-    found[ray], far[ray] = q[SIDE + k] if hit else nothing, s[T + k] if hit else math.inf
+    t, dz = _get(s, T + k), _get(s, DZ + k)
+    nothing = ESCAPED if (dz >= 0.0) & (_get(s, OZ + k) + t * dz > highest) else LOST
+    _put(found, ray, _get(q, SIDE + k) if hit else nothing)
+    _put(far, ray, t if hit else math.inf)
     return 1
 
 
@@ -640,10 +653,10 @@ def _decide(s: Array, q: Integers, k: int, highest: float, found: Integers, far:
 def _fill(s: Array, q: Integers, k: int, new_s: Array, new_q: Integers, place: int, ray: int) -> None:  # pragma: no cover
     """Put a ray into lane k."""
     for row in range(0, 13 * LANES, LANES):
-        s[row + k] = new_s[row + place]
+        _put(s, row + k, _get(new_s, row + place))
     for row in range(0, 7 * LANES, LANES):
-        q[row + k] = new_q[row + place]
-    q[RAY + k] = ray
+        _put(q, row + k, _get(new_q, row + place))
+    _put(q, RAY + k, ray)
 
 
 @_inner
@@ -652,15 +665,18 @@ def _return(
 ) -> None:  # pragma: no cover
     """Hand results back to where their rays came from."""
     for k in range(last - first):
-        ray = order[first + k] if len(order) else first + k
-        facet[ray], distance[ray] = found[k], far[k]
+        ray = _look(order, first + k)
+        _put(facet, ray, _get(found, k))
+        _put(distance, ray, _get(far, k))
 
 
 def _with_memory(job: tuple[Any, ...]) -> None:
-    """`_trace` with memory that belongs to the thread."""
+    """`_trace` with memory that belongs to the thread; results of rays in their own order go where they belong at once."""
     if not hasattr(_thread, "memory"):
         _thread.memory = _memory()
-    _trace(*job, *_thread.memory)
+    *_, order, facet, distance, first, last = job
+    results = _thread.memory[-2:] if len(order) else (facet[first:last], distance[first:last])
+    _trace(*job, *_thread.memory[:-2], *results)
 
 
 def _memory() -> tuple[Any, ...]:
