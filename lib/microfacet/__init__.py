@@ -34,6 +34,7 @@ PUBLIC = {
     "Ward": "geometry.ward",
     "choose": "enough.choice",
     "equations": "statement",
+    "seen_area": "validation.adaptive",
     "validate": "validation.equations",
 }
 

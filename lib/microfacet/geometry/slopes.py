@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Callable
-from functools import cache
-from math import cos, inf, pi, sin, sqrt
+from functools import cache, cached_property
+from math import cos, inf, log, pi, sin, sqrt
 from typing import Any, ClassVar
 
+import numpy as np
 import sympy as sp
 
 from microfacet.directions import numbers, uniform, vectors
@@ -110,7 +111,8 @@ with sp.evaluate(False):
 class Distribution:
     """A distribution of normals D, 1/sr, over unit microfacet normals.
 
-    parameters: what its kernels take as their last argument. scale: the two slope scales a quadrature should resolve.
+    parameters: what its kernels take as their last argument. scale: the two slope scales a quadrature should resolve; where
+    a class does not say, they are found by a look at D.
     reach: in units of these, the slope beyond which hardly any facet (1e-18 of the area) lies.
     radial: whether D depends on the polar angle only.
     """
@@ -120,9 +122,13 @@ class Distribution:
     sample_density: ClassVar[Callable[..., float]]  # density of those slopes at (x, y)
     closed_Lambda: ClassVar[Callable[..., float] | None] = None  # Lambda(x, y, z, parameters)
     parameters: Parameters
-    scale: tuple[float, float]
     reach: ClassVar[float] = inf
     radial: bool = False
+
+    @cached_property
+    def scale(self) -> tuple[float, float]:
+        """How far slopes spread along x and along y: by default as `spread` finds it."""
+        return spread(self.D)
 
     def D(self, wm: Any) -> Any:
         """D(wm), shapes (..., 3) -> (...), 1/sr; 0 below the horizon. heitz2014, section 2."""
@@ -147,6 +153,33 @@ class Distribution:
     @property
     def shown(self) -> tuple[float, ...]:
         return tuple(self.parameters)
+
+
+DECADES, PER_DECADE = (-6, 3), 4  # of slopes looked at, along either axis
+SPREAD = 2.0  # the scale over the slope that half of the facets exceed: near 1.73 for GGX, 2.10 for Beckmann
+
+
+def spread(normals: Callable[[np.ndarray], np.ndarray]) -> tuple[float, float]:
+    """How far the slopes of a distribution spread along x and y: about twice what half of the facets exceed.
+
+    normals: a function of unit normals (n, 3) that gives (n,), 1/sr. It is looked at on a grid of slopes of all
+    sizes, even in their logarithms. ValueError if it is 0 on the whole grid, or not finite.
+    """
+    sizes = np.logspace(*DECADES, PER_DECADE * (DECADES[1] - DECADES[0]) + 1)
+    signed = np.concatenate([-sizes, sizes])
+    x, y = (axis.reshape(-1) for axis in np.meshgrid(signed, signed, indexing="ij"))
+    z = 1 / np.sqrt(1 + x * x + y * y)
+    share = np.asarray(normals(np.stack([-x * z, -y * z, z], axis=-1))) * (z * z) ** 2 * np.abs(x * y)
+    total = share.sum()
+    if not 0 < total < inf:
+        raise ValueError(f"a distribution of normals must have a finite norm above 0, got about {total * _STEP**2:.3g}")
+    square = share.reshape(2, len(sizes), 2, len(sizes)).sum(axis=(0, 2))
+    found = [float(np.interp(0.5, np.cumsum(square.sum(axis=k)) / total, sizes)) for k in (1, 0)]
+    first, second = (float(f"{SPREAD * slope:.6g}") for slope in found)  # alike if they differ by rounding
+    return first, second
+
+
+_STEP = log(10) / PER_DECADE
 
 
 @cache

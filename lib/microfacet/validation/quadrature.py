@@ -221,10 +221,12 @@ def settled(integrals: Callable[..., Three]) -> Callable[..., Six]:
     """The kernel that goes from rule to rule until two agree, and returns them: first that of more nodes.
 
     begin: the first rules to pass over. guess: whether exponential tails are likely. floor: what the integrals are added
-    to, so that they need no more digits than the sum has.
+    to, so that they need no more digits than the sum has. enough: the relative difference at which two rules agree.
     """
 
-    def settled(begin: int, guess: bool, floor: float, view: float, ox: float, oy: float, oz: float, p: Any) -> Six:
+    def settled(
+        begin: int, guess: bool, floor: float, enough: float, view: float, ox: float, oy: float, oz: float, p: Any
+    ) -> Six:
         heavy, steps = (UNKNOWN, UNKNOWN, UNKNOWN), (UNKNOWN, UNKNOWN, UNKNOWN)
         coarse, fine = heavy, heavy
         for turn in range(begin, TURNS):
@@ -232,7 +234,7 @@ def settled(integrals: Callable[..., Three]) -> Callable[..., Six]:
             light = FOR_LIGHT[rule] > 0.5
             fine = integrals(rule, light, view, ox, oy, oz, p)
             coarse = steps if light else heavy
-            if agree(coarse, fine, floor):
+            if agree(coarse, fine, floor, enough):
                 break
             steps = fine if light else steps
             heavy = heavy if light else fine
@@ -253,14 +255,14 @@ def seen_batch(view: Callable[..., float], integrand: Callable[..., Three], norm
         guess = fall((p[0][0], p[1]))
         across = sqrt(ox * ox + oy * oy)
         whole = guess and oz > FARTHEST * max(p[1][0], p[1][1]) * across
-        return settle(ONE_PANEL if whole else 0, guess, 0.0, view(ox, oy, oz, p[0]), ox, oy, oz, p)
+        return settle(ONE_PANEL if whole else 0, guess, 0.0, AGREED, view(ox, oy, oz, p[0]), ox, oy, oz, p)
 
     return Batch(both, [3], 6)
 
 
-def agree(coarse: Three, fine: Three, floor: float) -> bool:
+def agree(coarse: Three, fine: Three, floor: float, enough: float) -> bool:
     return (
-        abs(coarse[0] - fine[0]) <= AGREED * (floor + abs(fine[0]))
-        and abs(coarse[1] - fine[1]) <= AGREED * (floor + abs(fine[1]))
-        and abs(coarse[2] - fine[2]) <= AGREED * (floor + abs(fine[2]))
+        abs(coarse[0] - fine[0]) <= enough * (floor + abs(fine[0]))
+        and abs(coarse[1] - fine[1]) <= enough * (floor + abs(fine[1]))
+        and abs(coarse[2] - fine[2]) <= enough * (floor + abs(fine[2]))
     )

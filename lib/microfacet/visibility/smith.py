@@ -14,12 +14,12 @@ from microfacet.geometry import beckmann, ggx
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX, ROUGHNESS
 from microfacet.geometry.slopes import Distribution
+from microfacet.kernels import ByPrecision
 from microfacet.notation import P2, Lambda_o, alpha, alpha_x, alpha_y, chi, mu_o, om, q, raw, theta_o, u, v, wo, y
 from microfacet.notation import alpha_o as roughness_o
 from microfacet.proofs import grounded
 from microfacet.statement import Equation
 from microfacet.validation.quadrature import (
-    AGREED,
     HEAVY_LEVELS,
     LIGHT_LEVELS,
     NODES,
@@ -195,6 +195,10 @@ def _projection_steps() -> list[Any]:
 
 # --- Lambda by quadrature, for any distribution -----------------------------------------------------------------------
 
+CLOSE = ByPrecision(
+    1e-9, 1e-5
+)  # difference of two rules in 1 + Lambda after which a finer one would change no digit that counts
+
 
 @cache
 def _hiding(D: Callable[..., float]) -> Callable[..., tuple[float, float, float]]:
@@ -220,7 +224,7 @@ def quadrature_Lambda(D: Callable[..., float]) -> Callable[..., float]:
         if x * x + y * y == 0.0:
             return 0.0
         inner = ((p[0], ()), p[1])
-        return settle(0, fall(p), abs(z), 0.0, x, y, abs(z), inner)[0] / abs(z)
+        return settle(0, fall(p), abs(z), CLOSE, 0.0, x, y, abs(z), inner)[0] / abs(z)
 
     return tail_Lambda
 
@@ -261,7 +265,7 @@ def radial_Lambda(D: Callable[..., float]) -> Callable[..., float]:
                 m = 1.0 / sqrt(1.0 + c * c + s * s)
                 density = D(sqrt(c * c + s * s) * m, 0.0, m, p[0]) * ((m * m) * (m * m))
                 total += 0.5 * pi * width * WEIGHTS[k] * density * s * s * bend(s / c) / (cos(angle) * cos(angle))
-            if rule > HEAVY_LEVELS and abs(total - before) <= AGREED * (c + total):
+            if rule > HEAVY_LEVELS and abs(total - before) <= CLOSE * (c + total):
                 break
         return total / c
 
