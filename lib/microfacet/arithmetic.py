@@ -3,7 +3,7 @@
 Kernels of plain floats (see microfacet.kernels). Source: dekker1971.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from math import exp
 
 import numpy as np
@@ -61,49 +61,67 @@ def exp_minus_squares(x: float, y: float, alpha_x: float, alpha_y: float, z: flo
     return root * (root * min(factor, LARGEST)) * (1.0 - (error + p_error + q_error + 2.0 * (p * p_rest + q * q_rest)))
 
 
-# sin(2 pi t)/t in powers of t^2 for |t| up to a quarter: relative error under 3e-19, in single precision 6e-9, before rounding
+# For |t| up to an eighth, in powers of t^2: sin(2 pi t)/t after its first term 2 pi was rounded, to 4e-18 of it; and
+# (cos(2 pi t) - 1)/t^2, to 4e-19 of the cosine. In single precision to 5e-9 and 5e-10.
+TURN = ByPrecision(double=6.283185307179586, single=6.2831854820251465)
 SINE = (
-    6.283185307179586,
-    -41.34170224039931,
-    81.60524927593018,
-    -76.70585973513714,
-    42.05869284572465,
-    -15.094605693659318,
-    3.819261191136815,
-    -0.7112784445783067,
-    0.07545319021281638,
+    2.4492935982947064e-16,
+    -41.34170224039967,
+    81.6052492759642,
+    -76.70585970764122,
+    42.05868536335466,
+    -15.093821101141923,
+    3.7811902801641244,
 )
-SINE_SINGLE = (6.2831854820251465, -41.341758728027344, 81.60794830322266, -76.70996856689453, 40.731327056884766)
+SINE_SINGLE = (-1.7484555314695172e-07, -41.341670989990234, 81.59351348876953, -75.43458557128906)
+COSINE = (
+    -19.739208802178716,
+    64.93939402266669,
+    -85.45681720599832,
+    60.24464122934585,
+    -26.426241360832755,
+    7.902640972464981,
+    -1.6885272706150836,
+)
+COSINE_SINGLE = (-19.739208221435547, 64.93914794921875, -85.42432403564453, 58.60515213012695)
 
 
-def sine_per_turn(s: float) -> float:
-    """sin(2 pi t)/t given s = t^2, t a share of a full turn, at most a quarter."""
-    total = 0.0
-    for coefficient in reversed(SINE):
-        total = total * s + coefficient
-    return total
+def _polynomial(double: tuple[float, ...], single: tuple[float, ...]) -> Callable[[float], float]:
+    """A kernel without a loop, with fewer terms in single precision; in plain Python the double one."""
+
+    def polynomial(s: float) -> float:
+        total = 0.0
+        for coefficient in reversed(double):
+            total = total * s + coefficient
+        return total
+
+    polynomial.__compiled__ = {np.float64: _horner(double), np.float32: _horner(single)}  # type: ignore[attr-defined]
+    return polynomial
 
 
-def _horner(coefficients: Sequence[float]) -> str:
-    """The text of a polynomial as a kernel without a loop."""
+def _horner(coefficients: tuple[float, ...]) -> str:
     nested = f"R({coefficients[-1]!r})"
     for coefficient in reversed(coefficients[:-1]):
         nested = f"({nested} * s + R({coefficient!r}))"
     return f"def unnamed(s):\n    return {nested}"
 
 
-sine_per_turn.__compiled__ = {np.float64: _horner(SINE), np.float32: _horner(SINE_SINGLE)}  # type: ignore[attr-defined]
+sine_rest, cosine_rest = _polynomial(SINE, SINE_SINGLE), _polynomial(COSINE, COSINE_SINGLE)
 
 
 def turn(u: float) -> tuple[float, float]:
-    """Cosine and sine of the share u, in [0, 1], of a full turn, to an ulp or two and without a branch or a call.
+    """Cosine and sine of the share u, in [0, 1], of a full turn, each to a relative 2^-52 (2^-23), without a branch or a call.
 
-    The nearest half turn is taken off exactly. Of the rest the sine is a polynomial, the cosine that of what it lacks of a
-    quarter turn: so both keep their digits where they are small.
+    The nearest half turn is taken off exactly. Of the rest and of what it lacks of a quarter turn, the smaller one is at most
+    an eighth: its sine and cosine are polynomials, and change places if it is the latter.
     """
     half = 0.5 if u >= 0.25 else 0.0
     half = 1.0 if u >= 0.75 else half
-    t = u - half
-    lack = 0.25 - abs(t)
-    lack, t = (-lack, -t) if half == 0.5 else (lack, t)
-    return lack * sine_per_turn(lack * lack), t * sine_per_turn(t * t)
+    size = abs(u - half)
+    lack = 0.25 - size
+    t = min(size, lack)
+    sine = t * (TURN + sine_rest(t * t))
+    cosine = 1.0 + (t * t) * cosine_rest(t * t)
+    along = sine if lack < size else cosine
+    aside = cosine if lack < size else sine
+    return (-along if half == 0.5 else along), (-aside if u > 0.5 else aside)
