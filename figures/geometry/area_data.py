@@ -27,7 +27,7 @@ def facets(normals):
     """The integrand D; from straight above, all facets are seen."""
 
     def facets(view, ox, oy, oz, mx, my, mz, p):
-        return normals(mx, my, mz, p), 0.0, 0.0
+        return normals(mx, my, mz, p[0]), 0.0, 0.0
 
     return facets
 
@@ -42,7 +42,7 @@ def made(alpha: float) -> tuple[float, float]:
 
 def measured(ndf) -> tuple[float, float]:
     """Area by quadrature, and its difference from a coarser rule."""
-    sums = seen_batch(nothing, facets(type(ndf).kernel), type(ndf).kernel)([ABOVE], (ndf.parameters, ndf.scale))
+    sums = seen_batch(nothing, facets(type(ndf).kernel), type(ndf).kernel)([ABOVE], ((ndf.parameters, ()), ndf.scale))
     return sums[0], abs(sums[0] - sums[3])
 
 
