@@ -146,6 +146,16 @@ def test_out_that_does_not_fit(out: Any, found: str) -> None:
         MANY([rows, s], (0.3,), out)
 
 
+def test_out_may_not_overlap_an_argument() -> None:
+    """The loop would read what it has written."""
+    memory = np.ones(60)
+    rows = memory[:30].reshape(10, 3)
+    with pytest.raises(ValueError, match="out must not overlap an argument"):
+        TWO([rows], out=memory[25:45].reshape(10, 2))
+    TWO([rows], out=memory[30:50].reshape(10, 2))
+    np.testing.assert_array_equal(rows, 1)
+
+
 # --- texts and their cache ------------------------------------------------------------------------------------------
 
 

@@ -211,6 +211,10 @@ def test_out_takes_the_result(real: type) -> None:
     out = np.full((2, 3), np.nan, real)
     assert BRDF.evaluate(wo, wi, out=out) is out
     np.testing.assert_array_equal(out, BRDF.evaluate(wo, wi))
+    u, normals = np.full((2, 3, 2), 0.3, real), np.full((2, 3, 3), np.nan, real)
+    for sample in (SMITH.sample_visible, BRDF.sample):
+        assert sample(wo, u, out=normals) is normals
+        np.testing.assert_array_equal(normals, sample(wo, u))
 
 
 def test_out_that_does_not_fit() -> None:

@@ -49,6 +49,7 @@ _HEADER = """\
 from math import *
 import numpy as np
 from microfacet.kernels import shared
+from microfacet.widest import widest
 from numba import float32, float64, njit, types
 
 R, T = {real}, np.{real}
@@ -299,6 +300,7 @@ def _loop(name: str, widths: Sequence[int], outputs: int, single: Sequence[bool]
         f"def compiled(p):\n"
         f"    @njit((types.intp, types.intp, {inputs}p, R[::1]), nogil=True, cache=True, error_model='numpy')\n"
         f"    def loop(start, stop, {', '.join(arrays)}, p, out):\n"
+        f"        widest()\n"
         f"{before}"
         f"        for i in range(stop - start):\n"
         f"{within}"
@@ -442,7 +444,7 @@ class Batch:
         for array, width, own in zip(inputs, self.widths, shapes, strict=True):
             flat.append(_flatten(array, width, own, shape, real))
             single.append(count != 1 and array.size == width)
-        result = _result(out, (*shape, self.outputs) if self.outputs > 1 else shape, real)
+        result = _result(out, (*shape, self.outputs) if self.outputs > 1 else shape, real, inputs)
         loop, packed_parameters = self._prepared(real, parameters, tuple(single), tuple(kinds))
         target = result.reshape(-1)
         if not 0 < count <= CHUNK:
@@ -465,12 +467,14 @@ def _flatten(array: np.ndarray, width: int, own: tuple[int, ...], shape: tuple[i
     return flat if flat.flags.aligned else flat.copy()
 
 
-def _result(out: np.ndarray | None, shape: tuple[int, ...], real: type) -> np.ndarray:
+def _result(out: np.ndarray | None, shape: tuple[int, ...], real: type, inputs: Sequence[np.ndarray]) -> np.ndarray:
     if out is None:
         return np.empty(shape, real)
     if not isinstance(out, np.ndarray) or out.shape != shape or out.dtype != real or not out.flags.c_contiguous:
         kind = f"{out.dtype} {out.shape}" if isinstance(out, np.ndarray) else type(out).__name__
         raise ValueError(f"out must be a C-contiguous {np.dtype(real).name} array of shape {shape}, got {kind}")
+    if any(np.may_share_memory(out, array) for array in inputs):
+        raise ValueError("out must not overlap an argument")
     return out
 
 

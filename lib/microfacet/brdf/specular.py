@@ -340,15 +340,18 @@ class Microfacet:
         self._evaluation, self._evaluation_parameters = evaluation_of(model, self.fresnel)
 
     def evaluate(self, wo: Any, wi: Any, out: np.ndarray | None = None) -> Any:
-        """The BRDF, 1/sr, shapes (..., 3) -> (...); 0 if either direction is below the horizon. heitz2014."""
+        """The BRDF, 1/sr, shapes (..., 3) -> (...); 0 if either direction is below the horizon. heitz2014.
+
+        out: an array to fill and return; after an error what it holds is of no use.
+        """
         return self._evaluation([vectors("wo", wo), vectors("wi", wi)], self._evaluation_parameters, out)
 
-    def sample(self, wo: Any, u: Any) -> Any:
+    def sample(self, wo: Any, u: Any, out: np.ndarray | None = None) -> Any:
         """Light directions with density `pdf`, shapes (..., 3) and (..., 2) -> (..., 3), by visible normals where the model
         can sample them, otherwise by all normals. Some go below the horizon: their BRDF is 0, they count as lost. The zero
-        vector where wo is below the horizon."""
+        vector where wo is below the horizon. out: as for `evaluate`."""
         wo, u = vectors("wo", wo), uniform("u", u)
-        return _mirrored(self.model.sampler, type(self.model.ndf).sample_kernel)([wo, u], self.parameters)
+        return _mirrored(self.model.sampler, type(self.model.ndf).sample_kernel)([wo, u], self.parameters, out)
 
     def pdf(self, wo: Any, wi: Any) -> Any:
         """Density of `sample` over the whole sphere, 1/sr, shapes (..., 3) -> (...)."""

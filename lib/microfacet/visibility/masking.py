@@ -9,6 +9,7 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any
 
+import numpy as np
 import sympy as sp
 
 from microfacet.directions import uniform, vectors
@@ -92,14 +93,15 @@ class Masking:
         kernel = seen_by(self.view_kernel, visible_density(self.masked_kernel, type(self.ndf).kernel))
         return over_pairs(kernel)([vectors("wo", wo), vectors("wm", wm)], self.parameters)
 
-    def sample_visible(self, wo: Any, u: Any) -> Any:
+    def sample_visible(self, wo: Any, u: Any, out: np.ndarray | None = None) -> Any:
         """Normals distributed as `D_visible`, shapes (..., 3) and (..., 2) -> (..., 3), for u in [0, 1).
 
-        The zero vector where wo is below the horizon; ValueError if the model has no such sampler.
+        The zero vector where wo is below the horizon; ValueError if the model has no such sampler. out: an array to fill and
+        return; after an error what it holds is of no use.
         """
         if self.sampler is None:
             raise ValueError(f"{self!r} has no sampler of visible normals; Smith over GGX or Beckmann has")
-        return _sampling(self.sampler)([vectors("wo", wo), uniform("u", u)], self.parameters)
+        return _sampling(self.sampler)([vectors("wo", wo), uniform("u", u)], self.parameters, out)
 
     @property
     def G1_kernel(self) -> Callable[..., float]:
