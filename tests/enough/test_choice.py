@@ -56,14 +56,18 @@ def test_a_finer_and_independent_rule_agrees(comparison: Comparison) -> None:
     assert made.chosen.candidate.compensation in ("scaled", "lobe")
     assert made.failed
     off: dict[Candidate, list[float]] = {row.candidate: [] for row in (made.chosen, made.failed)}
-    for point in SCENE.grid(4, 6):
+    noise = 0.0
+    for point in SCENE.grid(4, 4):
         once = mf.Microfacet(mf.Smith(mf.GGX(point.alpha_x)), METAL)
-        truth = mf.RandomWalk(once.model, METAL).albedo(point.wo, walks=WALKS, seed=7)
+        truth = mf.RandomWalk(once.model, METAL).albedo(point.wo, walks=1 << 17, seed=7)
         for one in off:
             brdf = one.brdf(METAL, point)
             whole = brdf if one.compensation == "none" else Compensated(brdf, one.compensation)
-            off[one] = max(off[one], abs(whole.albedo(point.wo) - truth.value) - 3 * truth.error)
-    assert off[made.chosen.candidate] <= tolerance < off[made.failed.candidate]
+            off[one].append(abs(whole.albedo(point.wo) - truth.value))
+        noise = max(noise, 3 * float(truth.error))
+    assert max(off[made.chosen.candidate]) <= tolerance + noise
+    assert max(off[made.failed.candidate]) > tolerance - noise
+    assert noise < tolerance / 3
 
 
 @pytest.mark.parametrize("measure", MEASURES)
@@ -122,6 +126,7 @@ def test_costs_decide_between_those_that_are_enough(comparison: Comparison) -> N
     assert after.candidate != before.candidate
 
 
+@pytest.mark.slow
 def test_one_bounce_needs_no_compensation() -> None:
     made = choice(Comparison(Scene(0.3, (0, 60), bounces="one", precision="double")), "lobe", 1e-6, {})
     assert made.chosen
@@ -138,6 +143,7 @@ def test_one_roughness_does_not_do_for_two() -> None:
     assert min(row.measured.least for row in alike) > 0.1
 
 
+@pytest.mark.slow
 def test_single_precision_is_not_enough_for_its_own_digits() -> None:
     scene = Scene(0.3, 40.0, bounces="one")
     near, nearer = (choice(Comparison(scene), "lobe", t, priced(scene)).chosen for t in (1e-5, 1e-9))
@@ -154,8 +160,9 @@ def test_single_precision_is_not_enough_for_its_own_digits() -> None:
 @pytest.mark.parametrize("kind", [mf.GGX, mf.Beckmann])
 def test_the_rule_over_the_bins_is_as_near_as_it_says(point: Point, kind: Any) -> None:
     scene, brdf = Scene(point[:2][::-1]), mf.Microfacet(mf.Smith(kind(*point[:2])))
-    off = abs(lobe_of(brdf.evaluate, scene, point).sum() - brdf.albedo(point.wo))
-    assert off <= 1.5 * rule_error(brdf.evaluate, scene, point) + 1e-12
+    albedo, error = brdf.albedo_with_error(point.wo)
+    off = abs(lobe_of(brdf.evaluate, scene, point).sum() - albedo)
+    assert off <= rule_error(brdf.evaluate, scene, point) + 5 * error + 1e-9
     assert off < 2e-4
 
 
@@ -167,13 +174,18 @@ def test_samples_fall_into_the_bins_of_the_rule(point: Point) -> None:
     wi = brdf.sample(point.wo, np.random.default_rng(1).random((count, 2)))
     wi = wi[wi[:, 2] > 0]
     found = counted(scene, point, wi, np.ones(len(wi))) * (2 if point.isotropic else 1)
-    expected = lobe_of(lambda wo, w: brdf.pdf(wo, w) / w[:, 2], scene, point) * count * (2 if point.isotropic else 1)
+    expected = (
+        lobe_of(lambda wo, w: brdf.pdf(wo, w) / np.maximum(w[:, 2], 1e-300), scene, point)
+        * count
+        * (2 if point.isotropic else 1)
+    )
     often = expected > 20
     square = float(((found - expected)[often] ** 2 / expected[often]).sum()) / (2 if point.isotropic else 1)
     many = often.sum() / (2 if point.isotropic else 1)
     assert abs(square - many) < 5 * np.sqrt(2 * many)
 
 
+@pytest.mark.slow
 def test_surfaces_of_mirrors_lose_nothing_and_metal_more_with_each_bounce() -> None:
     point = Point(0.7, 0.7, 60, 0)
     whole, once, metal = (
@@ -260,7 +272,7 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_the_command_prints_a_table_and_draws(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     chart = tmp_path / "chart.svg"
     assert (
-        main(["choose", "--alpha", "0.3", "--theta", "40", "--tolerance", "1e-3", "--bounces", "one", "--chart", str(chart)])
+        main(["choose", "--alpha", "0.3", "--theta", "40", "--tolerance", "1e-5", "--bounces", "one", "--chart", str(chart)])
         == 0
     )
     said = capsys.readouterr().out
