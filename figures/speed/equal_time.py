@@ -46,6 +46,7 @@ def gains(ax: plotting.Axes, data: dict) -> None:
         ax.plot(data["theta"], middle, color=colour, linestyle=DASHES[k], label=rf"$\alpha = {alpha:g}$")
     ax.axhline(1, color=plotting.COLOURS["grey"], linestyle=":", linewidth=0.7)
     what = r"variance $\times$ time" if data["gain_timed"] else "variance (not timed yet)"
+    ax.set_title(str(data["stale"]))
     ax.set(xlabel=r"$\theta_o$ (degrees)", ylabel=f"{what},\nall normals over visible", yscale="log", xlim=(0, 90))
     ax.set_xticks(range(0, 91, 15))
     ax.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))

@@ -5,7 +5,7 @@ import sys
 import numpy as np
 from method import uniform
 from microfacet.datafile import rounded, store
-from record import read, seconds, told
+from record import mark, read, seconds, summary
 from rivals_estimate import METHODS as ESTIMATE
 from rivals_estimate import SAMPLERS, variance
 from rivals_render import ALPHAS, METHODS, shading, sphere
@@ -70,8 +70,9 @@ def gains() -> dict:
 
 
 def compute() -> dict:
-    told_of = {"told": told("render", METHODS), "told_estimate": told("estimate", {k: ESTIMATE[k] for k in NAMES.values()})}
-    return rounded(pictures() | gains() | told_of, digits=4)
+    stale = mark("render", METHODS) or mark("estimate", {name: ESTIMATE[name] for name in NAMES.values()})
+    told = {"record": np.array(summary("render", METHODS)), "stale": stale}
+    return rounded(pictures() | gains() | told, digits=4)
 
 
 if __name__ == "__main__":

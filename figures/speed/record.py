@@ -54,6 +54,21 @@ def told(quantity: str, methods: Mapping[str, Method]) -> str:
     return told + (f" **Stale**: the code has changed since for {', '.join(old)}." if old else "")
 
 
+def summary(quantity: str, methods: Mapping[str, Method]) -> list[str]:
+    """The same in four words for a table: commit, load when it began, rounds, and what no longer holds or never did."""
+    if quantity not in read():
+        return ["", "", "", "not measured"]
+    kept, old, missing = read()[quantity], stale(quantity, methods), unmeasured(quantity, methods)
+    state = [f"**changed** for {len(old)} of {len(methods)}: {'; '.join(old)}"] if old else []
+    state += [f"not measured yet for {'; '.join(missing)}"] if missing else []
+    return [kept["commit"], f"{kept['machine']['load']:.1f}", str(kept["rounds"]), "; ".join(state) or "as it was"]
+
+
+def mark(quantity: str, methods: Mapping[str, Method]) -> str:
+    """What a chart says of itself if the code that it timed has changed since."""
+    return "stale times" if stale(quantity, methods) else ""
+
+
 def front(errors: Sequence[float], times: Sequence[float]) -> list[bool]:
     """Which of the points no other beats in both error and time."""
     points = list(zip(errors, times, strict=True))

@@ -38,7 +38,7 @@ def panel(ax: plotting.Axes, data: dict, quantity: str, kind: str, title: str) -
     ax.xaxis.set_major_locator(ticker.LogLocator(subs=(1, 2, 5)))
     ax.xaxis.set_major_formatter(ticker.FormatStrFormatter("%g"))
     ax.xaxis.set_minor_formatter(ticker.NullFormatter())
-    ax.set_title(title)
+    ax.set_title(f"{title}, {stale}" if (stale := str(data[f"{quantity}_stale"])) else title)
     known = data[f"{quantity}_times"][chosen]
     if np.isfinite(known).any():
         ax.set_xlim(np.nanmin(known) / 2, np.nanmax(known) * 2)

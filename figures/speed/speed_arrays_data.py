@@ -4,7 +4,7 @@ import sys
 
 import numpy as np
 from microfacet.datafile import rounded, store
-from record import fronts, read, rows, seconds, told
+from record import fronts, mark, read, rows, seconds, summary, told
 from rivals_brdf import METHODS as BRDF
 from rivals_fresnel import METHODS as FRESNEL
 from rivals_masking import METHODS as MASKING
@@ -31,6 +31,8 @@ def panel(quantity: str) -> dict:
         f"{quantity}_times": np.array(times),
         f"{quantity}_best": best,
         f"{quantity}_told": told(quantity, methods),
+        f"{quantity}_record": np.array(summary(quantity, methods)),
+        f"{quantity}_stale": mark(quantity, methods),
     }
 
 

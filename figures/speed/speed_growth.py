@@ -37,7 +37,7 @@ def line(ax: plotting.Axes, data: dict, name: str) -> None:
 
 def draw(data: dict) -> plotting.Figure:
     figure, axes = plotting.canvas(__file__, height=2.5, ncols=3)
-    figure.subplots_adjust(left=0.09, right=0.985, bottom=0.185, top=0.95, wspace=0.32)
+    figure.subplots_adjust(left=0.09, right=0.985, bottom=0.185, top=0.92, wspace=0.32)
     for ax, names, title in zip(axes, PANELS, TITLES, strict=True):
         ax.set(xscale="log", yscale="log", xlabel=title)
         for name in names:
@@ -50,6 +50,7 @@ def draw(data: dict) -> plotting.Figure:
     for ax, ticks in zip(axes[1:], ((256, 1024, 8192), (4, 10, 20, 50)), strict=True):
         ax.set_xticks(ticks, [str(tick) for tick in ticks])
         ax.minorticks_off()
+    axes[0].set_title(str(data["stale"]))
     axes[0].set_ylabel("time (seconds)")
     return figure
 

@@ -4,7 +4,7 @@ import sys
 
 import numpy as np
 from microfacet.datafile import rounded, store
-from record import seconds, told
+from record import mark, seconds, summary
 from rivals_growth import EXPECTED, METHODS, RAYS
 
 
@@ -27,7 +27,8 @@ def compute() -> dict:
         fitted, error = power(sizes, times[:, 1], expected.first)
         data |= {f"{name}_sizes": sizes, f"{name}_times": times, f"{name}_power": fitted, f"{name}_power_error": error}
         data |= {f"{name}_expected": expected.power, f"{name}_first": expected.first, f"{name}_why": expected.why}
-    return rounded(data | {"rays_traced": RAYS, "told": told("growth", METHODS)}, digits=3)
+    told = {"record": np.array(summary("growth", METHODS)), "stale": mark("growth", METHODS)}
+    return rounded(data | told | {"rays_traced": RAYS}, digits=3)
 
 
 if __name__ == "__main__":

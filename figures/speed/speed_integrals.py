@@ -28,7 +28,7 @@ LOOKS = {
 
 def draw(data: dict) -> plotting.Figure:
     figure, ax = plotting.canvas(__file__, height=3.4)
-    figure.subplots_adjust(left=0.095, right=0.66, bottom=0.13, top=0.97)
+    figure.subplots_adjust(left=0.095, right=0.66, bottom=0.13, top=0.94)
     for name, words in zip(data["names"], data["words"], strict=True):
         (hue, marker), times, errors = LOOKS[str(name)], data[f"{name}_times"], data[f"{name}_errors"]
         colour, best = plotting.COLOURS[hue], data[f"{name}_best"]
@@ -40,6 +40,7 @@ def draw(data: dict) -> plotting.Figure:
         ax.set_xlim(2e-5, 1)
     ax.axhline(data["asked"], color=plotting.COLOURS["grey"], linewidth=0.6, linestyle=":")
     ax.set(xscale="log", yscale="log", ylim=(3e-17, 3), xlabel="time (seconds)", ylabel="relative error")
+    ax.set_title(str(data["stale"]))
     ax.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
     return figure
 

@@ -4,7 +4,7 @@ import sys
 
 import numpy as np
 from microfacet.datafile import rounded, store
-from record import front, seconds, told
+from record import front, mark, seconds, summary
 from rivals_integral import METHODS as AREAS
 
 ASKED = 1e-12
@@ -22,7 +22,9 @@ def compute() -> dict:
         data[f"{name}_best"] = np.array([next(best) for _ in errors[name]])
         reached = [t for e, t in zip(errors[name], times[name], strict=True) if e <= ASKED]
         data[f"{name}_reaches"] = np.nanmin(reached) if reached and np.isfinite(reached).any() else np.inf
-    return rounded(data | {"asked": ASKED, "told": told("integral", AREAS)}, digits=3)
+    return rounded(
+        data | {"asked": ASKED, "record": np.array(summary("integral", AREAS)), "stale": mark("integral", AREAS)}, digits=3
+    )
 
 
 if __name__ == "__main__":

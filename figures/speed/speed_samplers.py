@@ -72,7 +72,7 @@ def draw(data: dict) -> plotting.Figure:
         chosen = data["kinds"] == kind
         dots(column[0], data, chosen)
         curves(column[1], data, chosen)
-        column[0].set_title(kind)
+        column[0].set_title(f"{kind}, {stale}" if (stale := str(data["stale"])) else kind)
     axes[0, 0].set_ylabel("total variation")
     axes[1, 0].set_ylabel(r"variance $\times$ time (ns)")
     return figure

@@ -4,7 +4,7 @@ import sys
 
 import numpy as np
 from microfacet.datafile import rounded, store
-from record import fronts, seconds, told
+from record import fronts, mark, seconds, summary
 from rivals_estimate import METHODS, SAMPLERS, Sampler, variance
 
 ALPHA, DEGREES = 0.5, np.array([0.0, 20.0, 40.0, 55.0, 67.0, 75.0, 81.0, 85.0])
@@ -43,7 +43,8 @@ def compute() -> dict:
         "spread": SIGMA * rows[..., 1],
         "product": rows[..., 0] * times[:, 1, None],
         "floor": FLOOR,
-        "told": told("estimate", METHODS),
+        "record": np.array(summary("estimate", METHODS)),
+        "stale": mark("estimate", METHODS),
     }
     return rounded(data, digits=4)
 

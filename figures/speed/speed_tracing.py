@@ -25,7 +25,7 @@ def slopes(ax: plotting.Axes, data: dict) -> None:
 
 def draw(data: dict) -> plotting.Figure:
     figure, ax = plotting.canvas(__file__, height=3.3)
-    figure.subplots_adjust(left=0.12, right=0.72, bottom=0.135, top=0.97)
+    figure.subplots_adjust(left=0.12, right=0.72, bottom=0.135, top=0.94)
     for (hue, marker, dash), size, errors, times, front in zip(
         LOOKS, data["grids"], data["errors"], data["times"], data["front"], strict=True
     ):
@@ -42,6 +42,7 @@ def draw(data: dict) -> plotting.Figure:
     else:
         plotting.label(ax, (0.5, 0.5), "not measured yet: make bench NAME=tracing", transform=ax.transAxes)
         ax.set(xlim=(1e-3, 1), ylim=(1e-3, 1e-1))
+    ax.set_title(str(data["stale"]))
     ax.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
     return figure
 

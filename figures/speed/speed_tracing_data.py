@@ -6,8 +6,8 @@ import numpy as np
 from microfacet.datafile import rounded, store
 from microfacet.surface.campaign import CAMPAIGN, THETA_O, read
 from microfacet.surface.measure import estimate
-from record import front, seconds, told
-from rivals_tracing import GRIDS, METHODS, SIDES, VIEW
+from record import front, mark, seconds, summary
+from rivals_tracing import GRIDS, METHODS, SIDES, SURFACES, VIEW
 
 ENTRIES = ("lobes_07",)
 GOAL = 1e-3
@@ -37,12 +37,15 @@ def compute() -> dict:
         "times": times,
         "front": least,
         "best": np.array(best),
-        "best_grid": GRIDS[best[0]],
-        "best_side": SIDES[best[1]],
+        "best_grid": GRIDS[best[0]] if known else np.nan,
+        "best_side": SIDES[best[1]] if known else np.nan,
         "goal": GOAL,
+        "sure": 1 / np.sqrt(2 * (SURFACES - 1)),  # relative standard error of a standard deviation
+        "surfaces": SURFACES,
         "goal_seconds": effort[best] / GOAL**2,
         "worst_ratio": np.nanmax(effort) / effort[best] if known else np.nan,
-        "told": told("tracing", METHODS),
+        "record": np.array(summary("tracing", METHODS)),
+        "stale": mark("tracing", METHODS),
     }
     return rounded(data | campaign(), digits=3)
 
