@@ -88,6 +88,30 @@ def test_bounces_add_up(compute: Compute) -> None:
     assert (data["share"].sum(axis=-1) < 1 + 1e-4).all()
 
 
+def test_walks_end_as_the_model_has_it_and_not_as_on_surfaces(compute: Compute) -> None:
+    """After one bounce by quadrature; in all, everything; and near the surfaces, but not within their errors."""
+    data = compute("validation/bounces")
+    np.testing.assert_allclose(data["by_order"][..., :3], data["share"][..., :3], atol=2e-5)
+    np.testing.assert_allclose(data["walk"].sum(axis=-1), 1, atol=1e-4)
+    first = [mf.Microfacet(mf.Smith(mf.Beckmann(alpha))).albedo(spherical(np.radians(THETA_O))) for alpha in data["alpha"]]
+    error = np.maximum(data["walk_error"][..., 0], 1e-4)
+    assert (abs(data["walk"][..., 0] - np.array(first)) < 4.5 * error).all()
+    assert abs(data["walk"] - data["by_order"]).max() < 0.1
+
+
+@pytest.mark.slow
+def test_light_in_the_wrong_place(compute: Compute) -> None:
+    """At least half of what is missing; and what is made up for by construction is not missing."""
+    data, shares = compute("validation/compensation"), compute("validation/bounces")
+    missing = shares["share"].sum(axis=-1) - np.array([np.interp(THETA_O, shares["fine"], line) for line in shares["smith"]])
+    assert (data["distance"][:, :, 0, 0] > 0.499 * missing - 0.01).all()
+    assert (data["distance"][..., 0] > 0.4 * data["noise"][:, :, None]).all()
+    mirrors = data["metal"][:, list(data["F0"]).index(1.0)]
+    np.testing.assert_allclose(mirrors[:, 1:3], 1, atol=1e-5)
+    assert (abs(mirrors[:, 3] - 1) < 4.5 * mirrors[:, 4]).all()
+    assert ((data["forward"][:, 1:] > 0.45) & (data["forward"][:, 1:] <= 1)).all()
+
+
 def test_rays_of_the_drawing_end_above_the_surface(compute: Compute) -> None:
     data = compute("validation/gaussian_surface")
     for path in data["paths"]:

@@ -70,7 +70,11 @@ def test_lost_light_meets_its_closed_forms(compute: Compute) -> None:
     np.testing.assert_allclose(data["ggx_angles"][-1], data["exact"], atol=2e-6)
     assert data["exact"][0] == pytest.approx(np.log(2), abs=1e-7)
     assert data["ggx_views"][0, -1] == pytest.approx(np.log(2), abs=2e-6)
+    np.testing.assert_allclose(data["exact_views"], [np.log(2), np.log(3) / 2], atol=1e-6)
+    np.testing.assert_allclose(data["ggx_views"][:, -1], data["exact_views"], atol=2e-6)
     assert data["ggx_average"][-1] == pytest.approx(1 - 4 / 3 * (1 - np.log(2)), abs=2e-6)
     for name in ("ggx", "beckmann"):
         assert np.all(np.diff(data[f"{name}_views"][0]) > -1e-6)
         assert np.all(np.diff(data[f"{name}_average"]) > 0)
+    lines = np.array([np.interp(data["traced_alpha"], data["alpha"], line) for line in data["beckmann_views"]]).T
+    assert abs(data["traced"][:, 0] - lines).max() < 0.05
