@@ -596,6 +596,8 @@ def _trace(
                 if place == 0:
                     _fetch(fetched, starts, o, d, own, order, first + following, last)
                     _enter(new_s, new_q, fetched, starts, z, bits, top, highest)
+                    if len(own):  # off the facets on which they start, while all of them have to
+                        _pass_cells(new_s, new_q, z, bits)
                 _fill(s, q, k, new_s, new_q, place, following)
                 following += 1
             else:
