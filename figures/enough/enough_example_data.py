@@ -1,6 +1,7 @@
 """Computes what the figure `enough_example` shows: one choice, all its candidates, their errors and costs."""
 
 import sys
+from pathlib import Path
 
 import microfacet as mf
 import numpy as np
@@ -11,11 +12,12 @@ from microfacet.enough.choice import MEASURES, Comparison, choice
 from microfacet.enough.scene import Scene
 
 ALPHA, THETA, TOLERANCE = (0.05, 0.3), (0.0, 80.0), 1e-2
+RECORD = Path("records/benchmarks.json")
 METAL = mf.Conductor(0.2, 3.9)
 
 
 def compute() -> dict:
-    costs = cost.recorded()
+    costs = cost.recorded(RECORD)
     comparison = Comparison(Scene(ALPHA, THETA, fresnel=METAL), walks=1 << 17)
     made = {measure: choice(comparison, measure, TOLERANCE, costs, beyond=True) for measure in MEASURES}
     example = made["picture"]

@@ -1,6 +1,7 @@
 """Computes what the figure `enough_map` shows: errors of all candidates over roughness, and which is the cheapest within."""
 
 import sys
+from pathlib import Path
 
 import microfacet as mf
 import numpy as np
@@ -12,6 +13,7 @@ from microfacet.enough.scene import Scene
 
 ALPHA = np.geomspace(0.05, 1, 8)
 THETA = (0.0, 80.0)
+RECORD = Path("records/benchmarks.json")
 METAL = mf.Conductor(0.2, 3.9)  # close to silver in green light, as in the figure `spheres`
 SURFACES, WALKS = 12, 1 << 17
 NORMALS = ("ggx", "beckmann")
@@ -34,7 +36,7 @@ def errors(normals: str, order: list[Candidate]) -> tuple[np.ndarray, np.ndarray
 
 
 def compute() -> dict:
-    costs = cost.recorded()
+    costs = cost.recorded(RECORD)
     data: dict = {"alpha": ALPHA, "theta": THETA, "measures": np.array(list(MEASURES))}
     for normals in NORMALS:
         order = ordered(Scene(ALPHA[0], THETA, normals=normals, fresnel=METAL), costs)

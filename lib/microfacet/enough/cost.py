@@ -20,7 +20,7 @@ from microfacet.visibility.smith import Smith
 from microfacet.visibility.v_cavity import VCavity
 
 QUANTITY = "models"  # the name in the record
-RECORD = Path(__file__).parents[3] / "records/benchmarks.json"  # in a checkout; an installed library has none
+RECORD = Path(__file__).parents[3] / "records" / "benchmarks.json"  # in a checkout; an installed library has none
 SAMPLERS = {"normals": "all normals", "visible": "visible normals"}
 MATERIALS: dict[str, Fresnel] = {"mirror": Mirror(), "dielectric": Dielectric(1.5), "conductor": Conductor(0.2, 3.9)}
 TIMED = Point(0.3, 0.3, 50.0, 0.0)  # times hardly depend on roughness or view

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import cache, lru_cache
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -48,7 +48,7 @@ class Nodes(NamedTuple):
     weight: Array
 
 
-@cache
+@lru_cache(maxsize=128)
 def nodes(point: Point, fine: int = NODES) -> Nodes:
     """`fine`^2 half vectors to a bin, and the lights that they mirror: evenly in azimuth, Gauss's nodes along each radius.
 
