@@ -76,7 +76,7 @@ def logarithm_about(x: float) -> float:
     m = significand(x)
     s = (m - 1.0) / (m + 1.0)
     z = s * s
-    return exponent(x) * LN2 + 2.0 * s * (1.0 + z * (1.0 / 3.0 + z * (0.2 + z * (1.0 / 7.0))))
+    return exponent(x) * LN2 + 2.0 * s * ((1.0 + z * (1.0 / 3.0)) + (z * z) * (0.2 + z * (1.0 / 7.0)))
 
 
 CENTRE = 3.5  # as in (x - CENTRE)/(x + CENTRE), in which the series is short

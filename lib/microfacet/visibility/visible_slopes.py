@@ -35,16 +35,20 @@ def visible_area(s: float, z: float, c: float, e: float) -> float:
 def guess(s: float, z: float, c: float, e: float, u: float) -> tuple[float, float]:
     """A slope near the one below which the share u lies, and z - s x: its distance from the edge, free of cancellation.
 
-    With r = sqrt(-log u) and y = x + r, a least-squares polynomial in log(r + edge) and s, z - s x vanishes with r.
+    With r = sqrt(-log u) and y = x + r, a least-squares polynomial in log(r + edge) and s, weighted by what the
+    steps leave, z - s x vanishes with r.
     """
     r = sqrt(max(-logarithm_about(u), NOTHING))
     edge = 0.5 * e * s
     near = 1.0 / (r + edge)
     v = logarithm_about(r + edge)
-    a = 0.761222394 + v * (-0.3517625 + v * (0.0277609078 + v * (0.00422625958 + v * 0.000136772312)))
-    b = 0.358587446 + v * (-0.154531967 + v * (-0.0329608041 + v * -0.00223058132))
-    d = -3.35123198 + v * (1.46267549 + v * -0.0106407571)
-    y = a + s * (b + s * (d + s * (0.243868783 + v * -0.951222505 + s * 1.5466286)))
+    v2 = v * v
+    a = (0.761222394 - 0.3517625 * v) + ((0.0277609078 + 0.00422625958 * v) + 0.000136772312 * v2) * v2
+    b = (0.358587446 - 0.154531967 * v) + (-0.0329608041 - 0.00223058132 * v) * v2
+    d = (-3.35123198 + 1.46267549 * v) - 0.0106407571 * v2
+    far = (0.243868783 - 0.951222505 * v) + 1.5466286 * s
+    s2 = s * s
+    y = (a + b * s) + (d + far * s) * s2
     return (c * edge - r * (r - y)) * near, r * near * (z + s * (r - y))
 
 
