@@ -12,7 +12,8 @@ import numpy as np
 from method import Method
 from microfacet import balls
 from microfacet.directions import spherical
-from microfacet.validation import equations, quadrature
+from microfacet.validation import adaptive, equations, quadrature
+from microfacet.validation.adaptive import seen_area
 from microfacet.validation.equations import residuals
 from scipy import integrate, special, stats
 
@@ -112,6 +113,16 @@ def library(n: int) -> float:
     return float((1 + found) * area_exact())
 
 
+def density(wm: np.ndarray) -> np.ndarray:
+    """D as anybody might hand it over: a function of normals, of which nothing else is known."""
+    return np.asarray(np.exp((1 - 1 / wm[:, 2] ** 2) / ROUGH**2) / (np.pi * ROUGH**2 * wm[:, 2] ** 4))
+
+
+def any_function(digits: int) -> float:
+    """The library's adaptive rule."""
+    return COS * seen_area(density, spherical(VIEW), tolerance=10.0**-digits).value
+
+
 def enclosed(digits: int) -> Any:
     """Arb: a ball that is proved to hold the area, over slopes along the view in units of alpha; those across are done."""
     with balls.precision(int(3.33 * digits) + 24):
@@ -153,5 +164,6 @@ METHODS = {
     "arb": Method(
         "Arb, proved", lambda digits: lambda: enclosed(digits), _width, (3, 6, 9, 12, 15), (enclosed, balls), each=False
     ),
+    "any": _area("this library, any function", any_function, (12,), (any_function, density, adaptive)),
     "library": _area("this library (all four)", library, (0,), (equations, quadrature)),
 }
