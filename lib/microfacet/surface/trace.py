@@ -486,6 +486,16 @@ def _fetch(
             fetched[(3 + axis) * LANES + k] = _look(d, 3 * ray + axis)
 
 
+@_inner
+def _prepare(
+    s: Array, q: Integers, fetched: Array, starts: Integers, held: bool, z: Singles, bits: int, top: int, highest: float
+) -> None:  # pragma: no cover
+    """What the fetched rays put into lanes: if they start on facets, off these already, as all of them have to get there."""
+    _enter(s, q, fetched, starts, z, bits, top, highest)
+    if held:
+        _pass_cells(s, q, z, bits)
+
+
 @_exact
 def _enter(
     s: Array, q: Integers, fetched: Array, starts: Integers, z: Singles, bits: int, top: int, highest: float
@@ -595,9 +605,7 @@ def _trace(
                 place = following % LANES
                 if place == 0:
                     _fetch(fetched, starts, o, d, own, order, first + following, last)
-                    _enter(new_s, new_q, fetched, starts, z, bits, top, highest)
-                    if len(own):  # off the facets on which they start, while all of them have to
-                        _pass_cells(new_s, new_q, z, bits)
+                    _prepare(new_s, new_q, fetched, starts, len(own) > 0, z, bits, top, highest)
                 _fill(s, q, k, new_s, new_q, place, following)
                 following += 1
             else:
