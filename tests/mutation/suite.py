@@ -15,6 +15,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
+from fractions import Fraction
 from functools import cache
 from pathlib import Path
 from types import FunctionType
@@ -26,6 +27,7 @@ import sympy as sp
 from integrals import integral_differs, stands_for_integrals
 from microfacet import balls, checks, statement
 from microfacet.balls import NoBall
+from microfacet.brdf.ggx import inverse_square
 from microfacet.material.fresnel import dielectric
 from microfacet.statement import Equation, equations
 from mutants import called, of_expression, of_kernel, rebound
@@ -213,7 +215,10 @@ def outcomes_of_kernel(function: FunctionType) -> Iterator[Outcome]:
 
 
 def known_values(function: FunctionType, made: FunctionType) -> str:
-    """test_fresnel's: beyond the angle of total reflection, which the stated domain leaves out, all light is reflected."""
+    """test_fresnel's: beyond the angle of total reflection, which the stated domain leaves out, all light is reflected.
+    test_specular's: the inverse of a square is known to half an ulp, where what it is for promises several."""
+    if function is inverse_square and abs(Fraction(made(0.1)[1]) * Fraction(0.1) ** 2 - 1) > Fraction(0.51 * 2**-52):
+        return "known values"
     return "known values" if function is dielectric and made(0.1, 0.5) != 1.0 else ""
 
 
