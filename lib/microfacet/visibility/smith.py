@@ -195,9 +195,8 @@ def _projection_steps() -> list[Any]:
 
 # --- Lambda by quadrature, for any distribution -----------------------------------------------------------------------
 
-CLOSE = ByPrecision(
-    1e-9, 1e-5
-)  # difference of two rules in 1 + Lambda after which a finer one would change no digit that counts
+CLOSE = ByPrecision(1e-10, 1e-5)  # difference of two rules, beside Lambda + LEAST: far above the error of the finer one
+LEAST = 0.01
 
 
 @cache
@@ -216,7 +215,7 @@ def _hiding(D: Callable[..., float]) -> Callable[..., tuple[float, float, float]
 def quadrature_Lambda(D: Callable[..., float]) -> Callable[..., float]:
     """Lambda(x, y, z, (parameters, scale)) of any distribution: the integral over the half-plane of hidden slopes.
 
-    By the rules of the validation: from few nodes on until two rules agree in 1 + Lambda.
+    By the rules of the validation: from few nodes on until two rules agree.
     """
     settle, fall = settled(hidden_integrals(_hiding(D))), light_tails(D)
 
@@ -224,7 +223,7 @@ def quadrature_Lambda(D: Callable[..., float]) -> Callable[..., float]:
         if x * x + y * y == 0.0:
             return 0.0
         inner = ((p[0], ()), p[1])
-        return settle(0, fall(p), abs(z), CLOSE, 0.0, x, y, abs(z), inner)[0] / abs(z)
+        return settle(0, fall(p), LEAST * abs(z), CLOSE, 0.0, x, y, abs(z), inner)[0] / abs(z)
 
     return tail_Lambda
 
@@ -265,7 +264,7 @@ def radial_Lambda(D: Callable[..., float]) -> Callable[..., float]:
                 m = 1.0 / sqrt(1.0 + c * c + s * s)
                 density = D(sqrt(c * c + s * s) * m, 0.0, m, p[0]) * ((m * m) * (m * m))
                 total += 0.5 * pi * width * WEIGHTS[k] * density * s * s * bend(s / c) / (cos(angle) * cos(angle))
-            if rule > HEAVY_LEVELS and abs(total - before) <= CLOSE * (c + total):
+            if rule > HEAVY_LEVELS and abs(total - before) <= CLOSE * (LEAST * c + total):
                 break
         return total / c
 
