@@ -3,7 +3,8 @@
 Snakemake sees declared inputs only, so every rule that runs a script declares what the script
 imports, and what that imports in turn. `import microfacet as mf` alone costs nothing: the package
 is lazy, so `mf.GGX` leads to the one module that its table of names (a dict literal in
-`__init__.py`) gives for GGX. What cannot be followed (`f(mf)`, `getattr`, a module that imports by
+`__init__.py`) gives for GGX. What a function of the library imports when it is called counts if
+anything that is needed names that function. What cannot be followed (`f(mf)`, `getattr`, a module that imports by
 computed names) counts as the whole package: too much is redone, never too little.
 """
 
@@ -125,11 +126,9 @@ def uses(module: str) -> dict[str, set[str]]:
 
 
 def names_in(node: ast.AST) -> set[str]:
-    return {
-        inner.id if isinstance(inner, ast.Name) else inner.attr
-        for inner in ast.walk(node)
-        if isinstance(inner, ast.Name | ast.Attribute)
-    }
+    """Names that are used or imported."""
+    kinds = {ast.Name: "id", ast.Attribute: "attr", ast.alias: "name"}
+    return {getattr(inner, kinds[type(inner)]) for inner in ast.walk(node) if type(inner) in kinds}
 
 
 def defined_by(node: ast.stmt) -> set[str]:
@@ -161,21 +160,38 @@ class Imports(ast.NodeVisitor):
     def __init__(self, module: str = "", is_package: bool = False) -> None:
         self.parent = module if is_package else module.rpartition(".")[0]
         self.found: set[str] = set()
+        self.late: dict[str, set[str]] = {}
         self.bound: dict[str, str] = {}
         self.others: set[str] = set()
+        self.inside = ""
+
+    def visit_FunctionDef(self, node: ast.FunctionDef | ast.AsyncFunctionDef) -> None:
+        outer, self.inside = self.inside, self.inside or node.name
+        self.generic_visit(node)
+        self.inside = outer
+
+    visit_AsyncFunctionDef = visit_FunctionDef
+
+    def bind(self, node: ast.Import) -> None:
+        for alias in node.names:
+            if alias.name.split(".")[0] == PACKAGE and (not alias.asname or not is_plain(alias.name)):
+                self.bound[alias.asname or PACKAGE] = alias.name if alias.asname else PACKAGE
+
+    def name(self, modules: set[str]) -> None:
+        """Modules named by an import: at once, or once the function around it is called."""
+        if self.inside:
+            self.late.setdefault(self.inside, set()).update(modules)
+        else:
+            self.found |= modules
 
     def visit_Import(self, node: ast.Import) -> None:
         for alias in node.names:
             if alias.name.split(".")[0] != PACKAGE:
                 self.others.add(alias.name)
-            elif alias.asname and not is_plain(alias.name):
-                self.bound[alias.asname] = alias.name
-            elif alias.asname:
-                self.found |= from_module(alias.name)
-            elif "." in alias.name:
-                self.found.add(alias.name)
-            if not alias.asname and alias.name.split(".")[0] == PACKAGE:
-                self.bound[PACKAGE] = PACKAGE
+            elif alias.asname and is_plain(alias.name):
+                self.name(from_module(alias.name))
+            elif "." in alias.name and not alias.asname:
+                self.name({alias.name})
 
     def visit_ImportFrom(self, node: ast.ImportFrom) -> None:
         base = self.base(node)
@@ -183,10 +199,10 @@ class Imports(ast.NodeVisitor):
             self.others.add(base)
         elif is_plain(base):
             for alias in node.names:
-                self.found |= from_module(base, "" if alias.name == "*" else alias.name)
+                self.name(from_module(base, "" if alias.name == "*" else alias.name))
         else:
             for alias in node.names:
-                self.found |= needed(base, [] if alias.name == "*" else [alias.name])
+                self.name(needed(base, [] if alias.name == "*" else [alias.name]))
 
     def base(self, node: ast.ImportFrom) -> str:
         if not node.level:
@@ -212,9 +228,9 @@ class Imports(ast.NodeVisitor):
 
 def imports_of(tree: ast.Module, module: str = "", is_package: bool = False) -> Imports:
     imports = Imports(module, is_package)
-    nodes = [node for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom)]
-    for node in sorted(nodes, key=lambda node: isinstance(node, ast.ImportFrom)):  # bindings first, wherever they stand
-        imports.visit(node)
+    for node in ast.walk(tree):  # bindings first, wherever they stand
+        if isinstance(node, ast.Import):
+            imports.bind(node)
     imports.visit(tree)
     return imports
 
@@ -233,30 +249,44 @@ def imported_files(module: str) -> Iterator[Path]:
 
 
 @cache
-def module_needs(module: str) -> frozenset[str]:
+def module_imports(module: str) -> Imports:
     file = module_file(module)
-    if file is None:
-        return frozenset()
-    tree = tree_of(file)
-    return frozenset(imports_of(tree, module, file.name == "__init__.py").found)
+    tree = tree_of(file) if file is not None else ast.Module(body=[], type_ignores=[])
+    return imports_of(tree, module, file is not None and file.name == "__init__.py")
+
+
+@cache
+def module_names(module: str) -> frozenset[str]:
+    """Every name that a module's code uses."""
+    file = module_file(module)
+    return frozenset(names_in(tree_of(file))) if file is not None else frozenset()
 
 
 @cache
 def of_source(source: str, folder: Path | None = None) -> frozenset[Path]:
     """Every file of the checkout that this source imports, directly or not."""
-    imports = imports_of(parsed(source))
-    files, queue, seen = set(siblings(imports, folder)), list(imports.found), set[str]()
+    tree = parsed(source)
+    imports = imports_of(tree)
+    files, modules, names = set(siblings(imports, folder)), set(imports.found).union(*imports.late.values()), names_in(tree)
     for path in list(files):
         files |= of_source(path.read_text("utf-8"), folder)
-    while queue:
-        module = queue.pop()
-        if module == "*":
-            return frozenset(files | whole_package())
-        if module not in seen:
-            seen.add(module)
-            files |= set(imported_files(module))
-            queue += module_needs(module)
-    return frozenset(files)
+        names |= names_in(tree_of(path))
+    return frozenset(files | followed(modules, names))
+
+
+def followed(modules: set[str], names: set[str]) -> set[Path]:
+    """The files of modules and of what they import; `names` are those used so far, and grow with each module."""
+    seen: set[str] = set()
+    while rest := modules - seen:
+        if "*" in rest:
+            return set(whole_package())
+        seen |= rest
+        names = names.union(*map(module_names, rest))
+        modules = modules.union(*(module_imports(module).found for module in rest))
+        for module in seen:
+            late = module_imports(module).late
+            modules |= set[str]().union(*(late[name] for name in late.keys() & names | {n for n in late if n.startswith("__")}))
+    return {file for module in seen for file in imported_files(module)}
 
 
 def siblings(imports: Imports, folder: Path | None) -> Iterator[Path]:

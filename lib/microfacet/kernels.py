@@ -27,17 +27,21 @@ import textwrap
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
+from importlib import import_module as import_text  # of kernels only, which says so to whoever follows imports
 from importlib.machinery import ModuleSpec
 from itertools import zip_longest
 from math import exp, ldexp
 from pathlib import Path
 from types import FunctionType, ModuleType
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from microfacet.directions import Argument
 from microfacet.processors import threads
+
+if TYPE_CHECKING:  # what loops are written of imports it: said here for whoever follows imports
+    import microfacet.widest  # noqa: F401
 
 Parameters = tuple[Any, ...]
 Single = tuple[bool, ...]
@@ -352,7 +356,7 @@ sys.meta_path.append(_Texts())
 
 @cache
 def _load(path: Path) -> ModuleType:
-    return importlib.import_module(MODULE + path.stem)
+    return import_text(MODULE + path.stem)
 
 
 @cache

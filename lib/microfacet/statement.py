@@ -144,9 +144,9 @@ class Equation:
 
     def check(self) -> Any:
         """Prove, bound and measure the statement; see microfacet.checks.Record."""
-        from microfacet.checks import check
+        from microfacet.checks import check as find_out
 
-        return check(self)
+        return find_out(self)
 
     @property
     def fingerprint(self) -> str:
@@ -416,5 +416,5 @@ def _equation_content(e: Equation, seen: set[int]) -> list[str]:
     for function in (e.proof, e.rewrite_proof, e.computed_by, e.enclosed if callable(e.enclosed) else None):
         lines += _content(function, seen) if function is not None else []
     for key in () if callable(e.enclosed) else e.enclosed:
-        lines += _content(equations[key], seen)
+        lines += _content(_registry[key], seen)
     return [*lines, repr(e.over)]

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import closure
 import direction
 import pytest
-from checkout import Checkout
+from checkout import ROOT, Checkout
 
 MODULES = {
     "__init__.py": 'import importlib\nPUBLIC = {"GGX": "geometry.ggx", "equations": "statement"}\n',
@@ -46,7 +49,10 @@ def library(small: Checkout) -> Path:
         ("from microfacet import notation", {"notation.py"}),
         ("import microfacet.notation as n\nn.x", {"notation.py"}),
         ("import microfacet as mf\nmf.geometry.slopes.Equation", GGX - {"geometry/ggx.py"}),
-        ("from microfacet.visibility import smith", GGX | {"visibility/__init__.py", "visibility/smith.py"}),
+        ("from microfacet.visibility import smith", {"visibility/__init__.py", "visibility/smith.py"}),
+        ("from microfacet.visibility import smith\nsmith.f()", GGX | {"visibility/__init__.py", "visibility/smith.py"}),
+        ("from microfacet.visibility.smith import f", GGX | {"visibility/__init__.py", "visibility/smith.py"}),
+        ("def draw():\n    from microfacet.notation import x", {"notation.py"}),
         ("from microfacet.statement import Equation", {"statement.py", "notation.py"}),
         ("import microfacet as mf\nmf.equations['k']", set(MODULES)),
         ("import microfacet as mf\nprint(mf)", set(MODULES)),
@@ -83,3 +89,23 @@ def test_imports_run_one_way(library: Path) -> None:
     (library / "geometry/slopes.py").write_text("from microfacet.visibility import smith\n")
     (library / "notation.py").write_text("def late():\n    from microfacet.geometry import ggx\n")
     assert list(direction.faults()) == ["lib/microfacet/geometry/slopes.py:1: geometry must not import visibility"]
+
+
+LOADED = """
+import runpy, sys
+runpy.run_path(sys.argv[1], run_name="__main__")
+print(*(m.__file__ for n, m in sys.modules.items() if n.startswith("microfacet.")), sep="\\n")
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["material/fresnel", "anisotropy/stretching", "stability/integrals", "visibility/masking"])
+def test_what_a_script_loads_is_in_its_closure(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+    script = Path(f"figures/{name}_data.py")
+    command = [sys.executable, "-c", LOADED.replace("sys.argv[1]", repr(str(script))), str(tmp_path / "data.npz")]
+    done = subprocess.run(command, text=True, check=True, capture_output=True, env=os.environ | {"PYTHONPATH": "lib"})
+    loaded = {str(Path(line).resolve().relative_to(ROOT)) for line in done.stdout.split()}
+    loaded = {path for path in loaded if path.startswith("lib/")}
+    assert len(loaded) >= 2
+    assert loaded <= set(closure.of_script(script))
