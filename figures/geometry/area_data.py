@@ -13,8 +13,8 @@ from microfacet.surface.gaussian import GaussianField
 from microfacet.surface.measure import estimate
 from microfacet.surface.trace import HeightField
 from microfacet.validation.equations import ABOVE
-from microfacet.validation.quadrature import seen_batch
 from microfacet.visibility.masking import nothing
+from microfacet.visibility.quadrature import seen_batch
 
 CHECKED = np.linspace(0.1, 1.0, 10)
 MADE = np.linspace(0.2, 1.0, 5)

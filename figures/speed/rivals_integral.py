@@ -12,9 +12,10 @@ import numpy as np
 from method import Method
 from microfacet import balls
 from microfacet.directions import spherical
-from microfacet.validation import adaptive, equations, quadrature
+from microfacet.validation import adaptive, equations
 from microfacet.validation.adaptive import seen_area
 from microfacet.validation.equations import residuals
+from microfacet.visibility import quadrature
 from scipy import integrate, special, stats
 
 ROUGH, VIEW = 0.1, np.radians(75)

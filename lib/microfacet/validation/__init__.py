@@ -1,1 +1,1 @@
-"""Whether a model is one: the validation equations, quadrature, enclosures, statistical tests."""
+"""Whether a model is one: the validation equations, integrals with their own error, enclosures, statistical tests."""

@@ -15,8 +15,8 @@ from microfacet.brdf.specular import Microfacet
 from microfacet.directions import as_vectors, spherical
 from microfacet.geometry.slopes import Distribution
 from microfacet.material.reflection import reflected
-from microfacet.validation.quadrature import seen_batch
 from microfacet.visibility.masking import Masking, nothing, visible_density
+from microfacet.visibility.quadrature import seen_batch
 
 TOLERANCE = 1e-9  # what a relative residual may be and still count as rounding and quadrature
 ROUNDING = 1e-13  # of a sum of some 10^4 terms

@@ -19,7 +19,9 @@ from microfacet.notation import P2, Lambda_o, alpha, alpha_x, alpha_y, chi, mu_o
 from microfacet.notation import alpha_o as roughness_o
 from microfacet.proofs import grounded
 from microfacet.statement import Equation
-from microfacet.validation.quadrature import (
+from microfacet.visibility import shadowing
+from microfacet.visibility.masking import Masking, hidden, seen
+from microfacet.visibility.quadrature import (
     HEAVY_LEVELS,
     LIGHT_LEVELS,
     NODES,
@@ -29,8 +31,6 @@ from microfacet.validation.quadrature import (
     light_tails,
     settled,
 )
-from microfacet.visibility import shadowing
-from microfacet.visibility.masking import Masking, hidden, seen
 from microfacet.visibility.visible_normals import sample_beckmann, sample_ggx
 
 HALF = sp.Rational(1, 2)

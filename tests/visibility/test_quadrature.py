@@ -8,8 +8,8 @@ import microfacet as mf
 import numpy as np
 import pytest
 from microfacet.geometry.slopes import Distribution
-from microfacet.validation import quadrature
 from microfacet.validation.equations import residuals
+from microfacet.visibility import quadrature
 from microfacet.visibility.masking import Masking
 from microfacet.visibility.smith import quadrature_Lambda, radial_Lambda
 from samples import views
