@@ -17,7 +17,7 @@ from microfacet.enough.candidates import Candidate, ladder
 from microfacet.enough.scene import NORMALS, PRECISIONS, Scene
 from microfacet.material.fresnel import Fresnel
 
-SIZES, WALK_SIZES = (10**6,), (10**4,)
+SIZES, WALK_SIZES = (2 * 10**5,), (2 * 10**3,)
 
 
 def _code(one: Candidate, material: Fresnel) -> tuple[Any, ...]:
