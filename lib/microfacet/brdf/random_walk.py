@@ -64,8 +64,8 @@ with sp.evaluate(False):
         enclosed=lambda it: balls.agreement(it.means, it.equals, (u, reached, Lambda_o), HEIGHTS),
         slides=(73, 74, 75),
         cite="heitz2016",
-        note="A ray down meets the facets turned up to it, one going up those turned away from its origin. The power multiplies "
-        "the rounding of its base by up to 11, and that of its exponent by up to 51: hence more than 8 ulps.",
+        note="A ray down meets the facets turned up to it, one going up those turned away from its origin. "
+        "The power multiplies the rounding of its base by up to 11, and that of its exponent by up to 51: hence more than 8 ulps.",
     )
     up = Equation(
         key="brdf.walk.up",
@@ -78,8 +78,8 @@ with sp.evaluate(False):
         enclosed=lambda it: balls.agreement(it.means, it.equals, (u, reached, Lambda_o), HEIGHTS),
         slides=(73, 74, 75),
         cite="heitz2016",
-        note="At u' = 1 the ray has left, and this is the chance that the facet is seen. The power multiplies the rounding of its "
-        "base by up to 10: hence more than 8 ulps.",
+        note="At u' = 1 the ray has left, and this is the chance that the facet is seen. "
+        "The power multiplies the rounding of its base by up to 10: hence more than 8 ulps.",
     )
     step_down = Equation(
         key="brdf.walk.step_down",
