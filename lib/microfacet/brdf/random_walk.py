@@ -65,7 +65,7 @@ with sp.evaluate(False):
         slides=(73, 74, 75),
         cite="heitz2016",
         note="A ray down meets the facets turned up to it, one going up those turned away from its origin. "
-        "The power multiplies the rounding of its base by up to 11, and that of its exponent by up to 51: hence more than 8 ulps.",
+        "The power multiplies its base's rounding by up to 11, and its exponent's by up to 51: hence more than 8 ulps.",
     )
     up = Equation(
         key="brdf.walk.up",
