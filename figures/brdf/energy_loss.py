@@ -50,7 +50,7 @@ def over_angle(ax: plotting.Axes, data: dict) -> None:
 
 def draw(data: dict) -> plotting.Figure:
     figure, axes = plotting.canvas(__file__, height=2.7, ncols=2, sharey=True)
-    figure.subplots_adjust(left=0.075, right=0.975, bottom=0.17, top=0.96, wspace=0.33)
+    figure.subplots_adjust(left=0.075, right=0.975, bottom=0.17, top=0.96, wspace=0.42)
     over_alpha(axes[0], data)
     over_angle(axes[1], data)
     return figure

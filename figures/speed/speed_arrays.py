@@ -2,8 +2,8 @@ r"""Error against time for values computed in large arrays.
 
 Each dot is one way to compute the quantity: on the vertical axis its largest relative error (of samples: the distance from
 the exact normal, or of the share), on the horizontal one the median time per value in nanoseconds, with its quartiles.
-Filled dots are on the front: nothing is both faster and nearer, for samples of the same distribution. Errors are computed
-with this report; times are read from the record that the text names.
+The form of a mark is the method, its colour the precision. Filled marks are on the front: nothing is both faster and nearer,
+for samples of the same distribution. Errors are computed with this report; times are read from the record that the text names.
 """
 
 import sys
@@ -21,20 +21,25 @@ PANELS = (
     ("sampling", "GGX", "visible normals of GGX"),
     ("sampling", "Beckmann", "visible normals of Beckmann"),
 )
-MARKERS = "osD^vP*X"
-HUES = ("view", "light", "lost", "green", "amber", "sky", "grey", "ink")
+OURS, OTHERS = "o", "sD^vP"
+HUES = {"double": "view", "single": "light"}
 
 
 def panel(ax: plotting.Axes, data: dict, quantity: str, kind: str, title: str) -> None:
     chosen = data[f"{quantity}_kinds"] == kind
     rows = zip(*(data[f"{quantity}_{part}"][chosen] for part in ("words", "errors", "times", "best")), strict=True)
-    for k, (words, error, (low, middle, high), best) in enumerate(rows):
-        colour, told = plotting.COLOURS[HUES[k]], str(words).removeprefix(f"{kind}, ")
+    markers: dict[str, str] = {}
+    for words, error, (low, middle, high), best in rows:
+        told = str(words).removeprefix(f"{kind}, ")
+        method, precision = told.rsplit(", ", 1)
+        colour = plotting.COLOURS[HUES[precision]]
+        free = OURS if method.endswith("this library") and OURS not in markers.values() else OTHERS[len(markers)]
+        marker = markers.setdefault(method, free)
         if np.isfinite(middle):
             ax.plot([low, high], [error, error], color=colour, linestyle="-", linewidth=0.8)
         look = {"color": colour, "markerfacecolor": colour if best else "white", "markersize": 4.5, "linestyle": ""}
-        ax.plot(middle, error, MARKERS[k], label=told, **look)
-    ax.set(xscale="log", yscale="log", ylim=(1e-17, 10), yticks=[1e-16, 1e-12, 1e-8, 1e-4, 1])
+        ax.plot(middle, error, marker, label=told, **look)
+    ax.set(xscale="log", yscale="log", ylim=(1e-17, 1e6), yticks=[1e-16, 1e-12, 1e-8, 1e-4, 1])
     ax.xaxis.set_major_locator(ticker.LogLocator(subs=(1, 2, 5)))
     ax.xaxis.set_major_formatter(ticker.FormatStrFormatter("%g"))
     ax.xaxis.set_minor_formatter(ticker.NullFormatter())
@@ -45,15 +50,7 @@ def panel(ax: plotting.Axes, data: dict, quantity: str, kind: str, title: str) -
     else:
         plotting.label(ax, (0.5, 0.7), "no times on record", transform=ax.transAxes)
         ax.set_xlim(1.5, 90)
-    ax.legend(
-        fontsize=6.5,
-        loc="center left",
-        bbox_to_anchor=(0.0, 0.305),
-        borderpad=0.2,
-        labelspacing=0.25 if chosen.sum() < 7 else 0.1,
-        handletextpad=0.2,
-        frameon=True,
-    )
+    ax.legend(fontsize=6.5, loc="upper center", ncols=2, borderpad=0.2, labelspacing=0.25, handletextpad=0.1, columnspacing=0.4)
 
 
 def draw(data: dict) -> plotting.Figure:
