@@ -11,12 +11,17 @@ computed names) counts as the whole package: too much is redone, never too littl
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+import hashlib
+import json
+import os
+import sys
+from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
 
 PACKAGE = "microfacet"
 SOURCE_ROOT = Path("lib")
+KEPT = Path("build/closures")
 COMPUTED_IMPORTS = {"import_module", "__import__", "iter_modules", "walk_packages", "run_module"}
 
 
@@ -264,7 +269,36 @@ def module_names(module: str) -> frozenset[str]:
 
 @cache
 def of_source(source: str, folder: Path | None = None) -> frozenset[Path]:
-    """Every file of the checkout that this source imports, directly or not."""
+    """Every file of the checkout that this source imports, directly or not.
+
+    To read the whole library takes seconds, so answers are kept, by what they depend on.
+    """
+    kept = KEPT / f"{digest(source, digest_of(whole_package()), digest_of(folder.glob('*.py')) if folder else '')}.json"
+    try:
+        return frozenset(map(Path, json.loads(kept.read_text("utf-8"))))
+    except (OSError, ValueError):
+        found = read_through(source, folder)
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    scratch = kept.with_suffix(f".{os.getpid()}")
+    scratch.write_text(json.dumps(sorted(map(str, found))), "utf-8")
+    scratch.replace(kept)
+    return found
+
+
+@cache
+def _text_of(path: Path) -> str:
+    return path.read_text("utf-8")
+
+
+def digest_of(files: Iterable[Path]) -> str:
+    return digest(*(f"{path}\0{_text_of(path)}" for path in sorted(files)))
+
+
+def digest(*parts: str) -> str:
+    return hashlib.sha256("\0".join((*parts, sys.version, _text_of(Path(__file__)))).encode()).hexdigest()[:24]
+
+
+def read_through(source: str, folder: Path | None) -> frozenset[Path]:
     tree = parsed(source)
     imports = imports_of(tree)
     files, modules, names = set(siblings(imports, folder)), set(imports.found).union(*imports.late.values()), names_in(tree)
