@@ -25,6 +25,7 @@ def furnace(brdf: Any, wo: np.ndarray) -> float:
     return float(np.sum(brdf.evaluate(wo, wi) * (w / 2 * cosine)[:, None]) * 2 * np.pi / 256)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("single", [SINGLES[0], SINGLES[2], SINGLES[3]], ids=repr)
 def test_perfect_mirrors_return_all_light(single: mf.Microfacet, form: str) -> None:
@@ -35,6 +36,7 @@ def test_perfect_mirrors_return_all_light(single: mf.Microfacet, form: str) -> N
         assert furnace(single, wo) < 0.999
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("single", SINGLES, ids=repr)
 def test_the_table_is_the_albedo(single: mf.Microfacet) -> None:
     brdf, wo, wi = mf.Compensated(single), hemisphere(200, 1), hemisphere(200, 2)

@@ -53,6 +53,7 @@ def test_without_roughness_a_matt_plane() -> None:
     assert brdf.albedo(views(40)[0]) == pytest.approx(1, abs=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", MODELS, ids=repr)
 def test_no_more_light_leaves_than_arrives(model: Any) -> None:
     """What is missing meets a second facet, as it does for mirrors."""

@@ -175,6 +175,7 @@ print(walk.evaluate([0, 0.6, 0.8], [[0, 0, 1]] * 3, 1 << 10, 3).value.tolist())
 """
 
 
+@pytest.mark.slow
 def test_threads_do_not_matter_and_seeds_do() -> None:
     told = []
     for threads in ("1", "3"):

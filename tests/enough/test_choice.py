@@ -48,6 +48,7 @@ def chosen(comparison: Comparison, measure: str, tolerance: float) -> Choice:
 # --- the choice -----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_finer_and_independent_rule_agrees(comparison: Comparison) -> None:
     """Albedos by quadrature and by walks of another seed, at roughnesses and angles that the chooser did not look at."""
     tolerance = 0.01
@@ -70,6 +71,7 @@ def test_a_finer_and_independent_rule_agrees(comparison: Comparison) -> None:
     assert noise < tolerance / 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("measure", MEASURES)
 def test_a_smaller_tolerance_is_never_cheaper(comparison: Comparison, measure: str) -> None:
     costs = []

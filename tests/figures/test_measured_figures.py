@@ -14,6 +14,7 @@ from microfacet.surface.campaign import THETA_O, read
 Compute = Callable[[str], dict[str, Any]]
 
 
+@pytest.mark.slow
 def test_lobes_hold_the_light(compute: Compute) -> None:
     data = compute("validation/measured_lobes")
     angles = np.outer(-np.diff(np.cos(data["theta"])), np.diff(data["phi"]))
@@ -81,6 +82,7 @@ def test_distances_and_albedos_are_of_one_measurement(compute: Compute) -> None:
     np.testing.assert_allclose(data["stretched_area"][:, 0], 1, atol=0.02)
 
 
+@pytest.mark.slow
 def test_bounces_add_up(compute: Compute) -> None:
     data = compute("validation/bounces")
     np.testing.assert_allclose(data["share"][1], read("lobes_07")["escaped"].mean(axis=0), atol=1e-4)
