@@ -23,6 +23,7 @@ COS, SIN = np.cos(VIEW), np.sin(VIEW)
 SMOOTH = mf.Smith(mf.Beckmann(ROUGH))
 
 
+@cache
 def area_exact() -> Any:
     """cos theta (1 + Lambda), the projected area of the facets turned to the viewer."""
     mu, across = mpmath.mpf(float(COS)), mpmath.mpf(float(SIN))
