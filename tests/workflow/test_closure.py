@@ -99,7 +99,7 @@ print(*(m.__file__ for n, m in sys.modules.items() if n.startswith("microfacet."
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["material/fresnel", "anisotropy/stretching", "stability/integrals", "visibility/masking"])
+@pytest.mark.parametrize("name", ["material/fresnel", "anisotropy/stretching", "anisotropy/alpha_o", "visibility/masking"])
 def test_what_a_script_loads_is_in_its_closure(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
     script = Path(f"figures/{name}_data.py")

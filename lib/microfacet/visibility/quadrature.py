@@ -228,17 +228,20 @@ def settled(integrals: Callable[..., Three]) -> Callable[..., Six]:
         begin: int, guess: bool, floor: float, enough: float, view: float, ox: float, oy: float, oz: float, p: Any
     ) -> Six:
         heavy, steps = (UNKNOWN, UNKNOWN, UNKNOWN), (UNKNOWN, UNKNOWN, UNKNOWN)
-        coarse, fine = heavy, heavy
+        coarse_heavy, coarse_steps = heavy, steps
         for turn in range(begin, TURNS):
             rule = int(SCHEDULE[turn + TURNS if guess else turn])
             light = FOR_LIGHT[rule] > 0.5
             fine = integrals(rule, light, view, ox, oy, oz, p)
             coarse = steps if light else heavy
+            coarse_steps, steps = (steps, fine) if light else (coarse_steps, steps)
+            coarse_heavy, heavy = (coarse_heavy, heavy) if light else (heavy, fine)
             if agree(coarse, fine, floor, enough):
-                break
-            steps = fine if light else steps
-            heavy = heavy if light else fine
-        return fine[0], fine[1], fine[2], coarse[0], coarse[1], coarse[2]
+                return fine[0], fine[1], fine[2], coarse[0], coarse[1], coarse[2]
+        # none agreed: of the two kinds, the one that moved less
+        if apart(coarse_steps, steps) < apart(coarse_heavy, heavy):
+            return steps[0], steps[1], steps[2], coarse_steps[0], coarse_steps[1], coarse_steps[2]
+        return heavy[0], heavy[1], heavy[2], coarse_heavy[0], coarse_heavy[1], coarse_heavy[2]
 
     return settled
 
@@ -258,6 +261,11 @@ def seen_batch(view: Callable[..., float], integrand: Callable[..., Three], norm
         return settle(ONE_PANEL if whole else 0, guess, 0.0, AGREED, view(ox, oy, oz, p[0]), ox, oy, oz, p)
 
     return Batch(both, [3], 6)
+
+
+def apart(coarse: Three, fine: Three) -> float:
+    """By how much two rules differ, in all three integrals together."""
+    return abs(coarse[0] - fine[0]) + abs(coarse[1] - fine[1]) + abs(coarse[2] - fine[2])
 
 
 def agree(coarse: Three, fine: Three, floor: float, enough: float) -> bool:
