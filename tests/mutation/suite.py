@@ -12,7 +12,7 @@ import json
 import math
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from fractions import Fraction
@@ -279,6 +279,14 @@ def tally(outcomes: list[Outcome]) -> dict[str, Any]:
         "survived": [asdict(o) for o in real if not o.killed_by],
         "equivalent": len(outcomes) - len(real),
     }
+
+
+def said(outcomes: Iterable[Outcome]) -> str:
+    """The tally in a sentence."""
+    report = tally(list(outcomes))
+    killed = ", ".join(f"{count} by {name}" for name, count in sorted(report["killed by"].items()))
+    survived, equivalent = len(report["survived"]), report["equivalent"]
+    return f"{report['mutants']} mutants: {killed}; {survived} survived; {equivalent} proved equivalent"
 
 
 def main() -> None:
