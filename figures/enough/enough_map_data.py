@@ -8,7 +8,7 @@ import numpy as np
 from microfacet.datafile import rounded, store
 from microfacet.enough import cost
 from microfacet.enough.candidates import MASKINGS, Candidate
-from microfacet.enough.choice import MEASURES, Comparison, choice
+from microfacet.enough.choice import MEASURES, Comparison, cheapest_first
 from microfacet.enough.scene import Scene
 
 ALPHA = np.geomspace(0.05, 1, 8)
@@ -17,11 +17,6 @@ RECORD = Path("records/benchmarks.json")
 METAL = mf.Conductor(0.2, 3.9)  # close to silver in green light, as in the figure `spheres`
 SURFACES, WALKS = 12, 1 << 17
 NORMALS = ("ggx", "beckmann")
-
-
-def ordered(scene: Scene, costs: dict) -> list[Candidate]:
-    """The candidates for a scene, the cheapest first; in their own order where costs are unknown."""
-    return [row.candidate for row in choice(Comparison(scene, points=scene.points[:1]), "albedo", 1.0, costs).rows]
 
 
 def errors(normals: str, order: list[Candidate]) -> tuple[np.ndarray, np.ndarray]:
@@ -39,7 +34,7 @@ def compute() -> dict:
     costs = cost.recorded(RECORD)
     data: dict = {"alpha": ALPHA, "theta": THETA, "measures": np.array(list(MEASURES))}
     for normals in NORMALS:
-        order = ordered(Scene(ALPHA[0], THETA, normals=normals, fresnel=METAL), costs)
+        order = [one for one, _ in cheapest_first(Scene(ALPHA[0], THETA, normals=normals, fresnel=METAL), costs)]
         most, bound = errors(normals, order)
         data |= {
             f"{normals}_maskings": np.array([MASKINGS[one.masking][0] for one in order]),

@@ -25,7 +25,6 @@ import sys
 import tempfile
 import textwrap
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from importlib import import_module as import_text  # of kernels only, which says so to whoever follows imports
 from importlib.machinery import ModuleSpec
@@ -38,7 +37,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from microfacet.directions import Argument
-from microfacet.processors import threads
+from microfacet.processors import share, threads
 
 if TYPE_CHECKING:  # what loops are written of imports it: said here for whoever follows imports
     import microfacet.widest  # noqa: F401
@@ -153,8 +152,8 @@ def _bindings(function: FunctionType) -> dict[str, Any]:
 class _Embed(ast.NodeTransformer):
     """Rename what a function calls, write its constants out, and give float literals the loop's precision."""
 
-    def __init__(self, name: str, names: dict[str, str], constants: dict[str, Any], real: type) -> None:
-        self.name, self.names, self.constants, self.real = name, names, constants, real
+    def __init__(self, name: str, names: dict[str, str], constants: dict[str, str]) -> None:
+        self.name, self.names, self.constants = name, names, constants
 
     def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST:
         node.name = self.name
@@ -185,7 +184,7 @@ class _Embed(ast.NodeTransformer):
         if node.id in self.names:
             return ast.copy_location(ast.Name(self.names[node.id], node.ctx), node)
         if node.id in self.constants:
-            return ast.copy_location(_literal(self.constants[node.id], self.real), node)
+            return ast.copy_location(ast.parse(self.constants[node.id], mode="eval").body, node)
         return node
 
 
@@ -193,12 +192,13 @@ def _real(node: ast.expr) -> ast.expr:
     return ast.Call(ast.Name("R", ast.Load()), [node], [])
 
 
-def _literal(value: Any, real: type) -> ast.expr:
+def _literal(value: Any, real: type) -> str:
+    """The text that stands for a constant."""
     if isinstance(value, int):
-        return ast.Constant(value)
+        return repr(value)
     if isinstance(value, ByPrecision) and real is np.float32:
         value = value.single
-    return _real(ast.Constant(float(value)))
+    return ast.unparse(_real(ast.Constant(float(value))))
 
 
 def _digest(text: str) -> str:
@@ -225,10 +225,9 @@ class _Program:
         if function in self.names:
             return self.names[function]
         if hasattr(function, "__compiled__"):
-            return self._keep(function, function.__compiled__[self.real])
+            return self._keep(function, *_named(function.__name__, function.__compiled__[self.real]))
         names, constants = {}, {}
-        parsed = ast.parse(source(function))
-        replaced = {} if _loops(parsed) else IN_LOOPS
+        replaced = {} if _has_loop(function) else IN_LOOPS
         for name, value in _bindings(function).items():
             value = replaced.get(value, value) if callable(value) else value
             if isinstance(value, FunctionType):
@@ -236,18 +235,35 @@ class _Program:
             elif isinstance(value, tuple):
                 names[name] = self.table(value)
             elif isinstance(value, int | float):
-                constants[name] = value
+                constants[name] = _literal(value, self.real)
             elif not (value is getattr(math, name, None) or value is getattr(builtins, name, None)):
                 raise TypeError(f"kernel {function.__qualname__} uses {name}, which is no kernel and no constant")
-        tree = _Embed("unnamed", names, constants, self.real).visit(parsed)
-        return self._keep(function, ast.unparse(ast.fix_missing_locations(tree)))
+        return self._keep(function, *_embedded(function, tuple(names.items()), tuple(constants.items())))
 
-    def _keep(self, function: FunctionType, text: str) -> str:
-        unique = f"{function.__name__}_{_digest(text)}"
+    def _keep(self, function: FunctionType, unique: str, text: str) -> str:
         if unique not in self.names.values():
-            self.texts.append(f"@shared(R, {_straight(text)})\n{text.replace('def unnamed(', f'def {unique}(', 1)}")
+            self.texts.append(text)
         self.names[function] = unique
         return unique
+
+
+@cache
+def _has_loop(function: FunctionType) -> bool:
+    return _loops(ast.parse(source(function)))
+
+
+@cache
+def _embedded(
+    function: FunctionType, names: tuple[tuple[str, str], ...], constants: tuple[tuple[str, str], ...]
+) -> tuple[str, str]:
+    """A function's name and text in a program, given what its free names are there."""
+    tree = _Embed("unnamed", dict(names), dict(constants)).visit(ast.parse(source(function)))
+    return _named(function.__name__, ast.unparse(ast.fix_missing_locations(tree)))
+
+
+def _named(name: str, text: str) -> tuple[str, str]:
+    unique = f"{name}_{_digest(text)}"
+    return unique, f"@shared(R, {_straight(text)})\n{text.replace('def unnamed(', f'def {unique}(', 1)}"
 
 
 def _straight(text: str) -> bool:
@@ -357,11 +373,6 @@ sys.meta_path.append(_Texts())
 @cache
 def _load(path: Path) -> ModuleType:
     return import_text(MODULE + path.stem)
-
-
-@cache
-def _pool() -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(threads())
 
 
 def _cast(parameters: Any, real: type) -> Any:
@@ -494,5 +505,4 @@ def _share(work: Callable[[int, int], bool], count: int) -> bool:
     if count <= 2 * CHUNK or threads() == 1:
         return work(0, count)
     step = max(CHUNK, -(-count // (8 * threads())))
-    parts = [_pool().submit(work, k, min(k + step, count)) for k in range(0, count, step)]
-    return all([part.result() for part in parts])  # noqa: C419 - each is waited for
+    return all(share(work, [(k, min(k + step, count)) for k in range(0, count, step)]))

@@ -7,15 +7,15 @@ first bounce's lobe is made brighter by as much as it lacks (turquin2019). Neith
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
+from functools import cache, lru_cache
 from math import pi, sqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import sympy as sp
 
 from microfacet import balls
-from microfacet.brdf.specular import Microfacet, evaluation_of, mu
+from microfacet.brdf.specular import Microfacet, Reflected, evaluation_of, mu
 from microfacet.directions import spherical, vectors
 from microfacet.kernels import Batch
 from microfacet.material.fresnel import F0, c, schlick_F
@@ -163,10 +163,22 @@ def _direction(s: Any, w: Any, alpha_x: float, alpha_y: float) -> np.ndarray:
     return np.asarray(found / np.linalg.norm(found, axis=-1, keepdims=True))
 
 
-def tabulated(single: Microfacet, turns: int) -> tuple[float, ...]:
-    """Coefficients of 1 - E."""
+class Kept(NamedTuple):
+    """What one bounce of F = 1 keeps: the mean albedo, and the coefficients of 1 - E."""
+
+    mean: float
+    lacking: tuple[float, ...]
+
+
+@lru_cache(maxsize=64)
+def kept(reflected: Reflected, scale: tuple[float, float], turns: int) -> Kept:
+    """Found once for all reflectances over the same model."""
+    return Kept(mean_over_directions(lambda wo: reflected(wo)[0], turns), _tabulated(reflected, scale, turns))
+
+
+def _tabulated(reflected: Reflected, scale: tuple[float, float], turns: int) -> tuple[float, ...]:
     (s, make_s), (w, make_w) = _chebyshev(STEPS), _chebyshev(turns)
-    lacking = 1 - single.albedo(_direction(s[:, None], w, *single.model.ndf.scale))
+    lacking = 1 - reflected(_direction(s[:, None], w, *scale))[0]
     return tuple(map(float, (make_s @ lacking @ make_w.T).ravel()))
 
 
@@ -223,10 +235,9 @@ class Compensated:
         self.mirrors = Microfacet(brdf.model)
         alpha_x, alpha_y = brdf.model.ndf.scale
         self.turns = 1 if alpha_x == alpha_y else TURNS
-        self.mean_albedo = mean_over_directions(self.mirrors.albedo, self.turns)
+        self.mean_albedo, table = kept(self.mirrors.reflected, (alpha_x, alpha_y), self.turns)
         self.added = self._added()
         factor = self.added / (pi * (1 - self.mean_albedo)) if form == "lobe" else self.added
-        table = tabulated(self.mirrors, self.turns)
         single, parameters = evaluation_of(brdf.model, brdf.fresnel)
         self.parameters = (parameters, (alpha_x, alpha_y), table, (factor,))
         self._batch = compensated(single.function, form, self.turns)

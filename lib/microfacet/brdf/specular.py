@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache
 from math import atan, atan2, cos, pi, sin, sqrt, tan
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import sympy as sp
@@ -327,6 +327,17 @@ def albedo_batch(
 # --- the model --------------------------------------------------------------------------------------------------------
 
 
+class Reflected(NamedTuple):
+    """Shares of light that are reflected and their errors, of views (..., 3), by kernels and their parameters."""
+
+    kernels: tuple[Callable[..., float], ...]
+    parameters: tuple[Any, ...]
+
+    def __call__(self, wo: Any) -> tuple[Any, Any]:
+        both = albedo_batch(*self.kernels)([vectors("wo", wo)], self.parameters)
+        return both[..., 0], abs(both[..., 0] - both[..., 1]) + ROUNDING
+
+
 class Microfacet:
     """The BRDF of mirror facets: model of masking and shadowing, and Fresnel reflectance (None: F = 1). walter2007."""
 
@@ -365,9 +376,13 @@ class Microfacet:
 
     def albedo_with_error(self, wo: Any) -> tuple[Any, Any]:
         """The albedo, and its error estimated from a coarser rule and from rounding."""
+        return self.reflected(wo)
+
+    @property
+    def reflected(self) -> Reflected:
+        """`albedo_with_error` as a function that is equal for equal models."""
         kernels = (type(self.model.ndf).kernel, self.model.view_kernel, self.model.shadowed_kernel, type(self.fresnel).kernel)
-        both = albedo_batch(*kernels)([vectors("wo", wo)], (*self.parameters, self.model.ndf.scale, self.model.ndf.reach))
-        return both[..., 0], abs(both[..., 0] - both[..., 1]) + ROUNDING
+        return Reflected(kernels, (*self.parameters, self.model.ndf.scale, self.model.ndf.reach))
 
     def __repr__(self) -> str:
         return f"Microfacet({self.model!r}, {type(self.fresnel).__name__}{self.fresnel.parameters})"

@@ -353,14 +353,19 @@ def _samplers(scene: Scene) -> dict[str, tuple[str, str, type]]:
     return {cost.sampler_name(s, kind, real): (s, kind, real) for s in cost.SAMPLERS for kind in kinds for real in reals}
 
 
+def cheapest_first(scene: Scene, costs: cost.Costs) -> list[tuple[Candidate, float]]:
+    """All candidates and their costs; those of unknown cost (NaN) come last, in their own order, the crudest first."""
+    priced = [(one, costs.get(cost.name_of(one, scene.material), math.nan)) for one in ladder(scene)]
+    return sorted(priced, key=lambda pair: pair[1] if math.isfinite(pair[1]) else math.inf)
+
+
 def choice(comparison: Comparison, measure: str, tolerance: float, costs: cost.Costs, beyond: bool = False) -> Choice:
-    """The choice from measured candidates; those of unknown cost come last, in their own order, the crudest first."""
+    """The choice from measured candidates."""
     rows = []
-    for one in comparison.candidates:
+    for one, time in cheapest_first(comparison.scene, costs):
         found = comparison.measured(one, measure)
         verdict = "within" if found.most <= tolerance else "beyond" if found.least > tolerance else "open"
-        rows.append(Row(one, found, costs.get(cost.name_of(one, comparison.scene.material), math.nan), verdict))
-    rows.sort(key=lambda row: row.cost if math.isfinite(row.cost) else math.inf)
+        rows.append(Row(one, found, time, verdict))
     made = Choice(comparison.scene, tolerance, measure, tuple(rows), comparison.truth[0].words)
     if made.chosen:
         samplers = {name: sampler(comparison, made.chosen.candidate, name, costs) for name in cost.SAMPLERS}

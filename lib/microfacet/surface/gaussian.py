@@ -20,7 +20,6 @@ Sources: beckmann1963 (Gaussian surfaces and their slopes), lagae2009 (Gabor noi
 from __future__ import annotations
 
 import math
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, cast
@@ -31,7 +30,7 @@ import scipy.fft
 from numpy.typing import ArrayLike, NDArray
 
 from microfacet.directions import positive
-from microfacet.processors import threads
+from microfacet.processors import share
 
 Array = NDArray[np.float64]
 PERIODS = 6.0  # correlation lengths in a period, at least: its ends are then independent to exp(-36)
@@ -159,9 +158,7 @@ class GaussianField:
             (heights, first, min(first + BAND, self.size), kernels, *envelope, *(np.empty((2, w)) for w in nodes))
             for first in range(0, self.size, BAND)
         ]
-        with ThreadPoolExecutor(threads()) as pool:
-            for done in [pool.submit(_splat, *job) for job in jobs]:
-                done.result()
+        share(_splat, jobs)
         heights *= self.sigma * math.sqrt(2 * self.size**2 / (count * area))
         return heights
 

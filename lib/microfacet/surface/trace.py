@@ -26,7 +26,6 @@ from __future__ import annotations
 
 import math
 import threading
-from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property, partial
 from typing import Any, NamedTuple, NoReturn, cast
 
@@ -37,7 +36,7 @@ from numba.extending import intrinsic
 from numpy.typing import ArrayLike, NDArray
 
 from microfacet.directions import as_vectors
-from microfacet.processors import threads
+from microfacet.processors import share
 
 Array = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -112,22 +111,13 @@ class HeightField:
         own = self._own(facets, len(o))
         facet, distance = np.empty(len(o), np.int64), np.empty(len(o))
         field = (self.heights.reshape(-1), self.planes, self.size.bit_length() - 1, self.top, self.highest)
-        with ThreadPoolExecutor(threads()) as pool:
-            for first in range(0, len(o), SORT):
-                part = slice(first, min(first + SORT, len(o)))
-                order = self._order(o[part], d[part])
-                rays = (
-                    o[part].reshape(-1),
-                    d[part].reshape(-1),
-                    own[part] if len(own) else own,
-                    order,
-                    facet[part],
-                    distance[part],
-                )
-                count = part.stop - first
-                jobs = [(*field, *rays, k, min(k + CHUNK, count)) for k in range(0, count, CHUNK)]
-                for done in [pool.submit(_with_memory, job) for job in jobs]:
-                    done.result()
+        for first in range(0, len(o), SORT):
+            part = slice(first, min(first + SORT, len(o)))
+            order = self._order(o[part], d[part])
+            rays = (o[part].reshape(-1), d[part].reshape(-1), own[part] if len(own) else own, order)
+            count = part.stop - first
+            jobs = [(*field, *rays, facet[part], distance[part], k, min(k + CHUNK, count)) for k in range(0, count, CHUNK)]
+            share(_with_memory, jobs)
         if len(facet) and facet.min() == ASTRAY:
             self._refuse(int(np.argmin(facet)), o, d, own)
         return Hits(facet, distance)
@@ -680,7 +670,7 @@ def _return(
         _put(distance, ray, _get(far, k))
 
 
-def _with_memory(job: tuple[Any, ...]) -> None:
+def _with_memory(*job: Any) -> None:
     """`_trace` with memory that belongs to the thread; results of rays in their own order go where they belong at once."""
     if not hasattr(_thread, "memory"):
         _thread.memory = _memory()
