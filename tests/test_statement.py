@@ -267,6 +267,7 @@ def test_fingerprint_sees_what_is_called(monkeypatch: pytest.MonkeyPatch) -> Non
     assert renamed(handwritten, computed_by=off).fingerprint != before
 
 
+@pytest.mark.slow
 def test_fingerprints_are_the_same_in_every_process() -> None:
     """Else every check would be redone at every build."""
     code = "import json, microfacet as mf; print(json.dumps(mf.equations.fingerprints()))"

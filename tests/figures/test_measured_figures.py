@@ -90,6 +90,7 @@ def test_bounces_add_up(compute: Compute) -> None:
     assert (data["share"].sum(axis=-1) < 1 + 1e-4).all()
 
 
+@pytest.mark.slow
 def test_walks_end_as_the_model_has_it_and_not_as_on_surfaces(compute: Compute) -> None:
     """After one bounce by quadrature; in all, everything; and near the surfaces, but not within their errors."""
     data = compute("validation/bounces")
