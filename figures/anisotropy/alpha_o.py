@@ -4,7 +4,7 @@ Left: the ellipse with half-axes $\alpha_x$ and $\alpha_y$ is a contour of the d
 along the azimuth $\phi_o$ of the view, the distance of the tangent, is $\alpha_o$; the thin line is $\alpha_o$ for
 all azimuths. Right: Smith's masking at $\theta_o = 75^\circ$ over the azimuth. Lines: isotropic masking of roughness
 $\alpha_o$; dots: the integral over the hidden slopes of the stretched distribution itself. Dotted lines: what a mean
-roughness $\sqrt{\alpha_x \alpha_y}$ would give at every azimuth, a mistake seen in renderers.
+roughness $\sqrt{\alpha_x \alpha_y}$ would give at every azimuth.
 """
 
 import sys
@@ -29,7 +29,7 @@ def ellipse(ax: plotting.Axes, data: dict) -> None:
     ax.plot(*np.stack([0 * foot, foot], axis=1), color=plotting.COLOURS["light"], linestyle="-", linewidth=1.6)
     plotting.arrow(ax, foot, foot + 0.3 * along)
     plotting.label(ax, foot + 0.36 * along + (0.05, 0), r"$\phi_o$")
-    plotting.label(ax, 0.8 * foot + (0.08, -0.08), r"$\alpha_o$", color=plotting.COLOURS["light"])
+    plotting.label(ax, 0.5 * foot + 0.07 * across, r"$\alpha_o$", color=plotting.COLOURS["light"])
     for end, name, shift in (((alphas[0], 0), r"$\alpha_x$", (0.0, -0.07)), ((0, alphas[1]), r"$\alpha_y$", (-0.06, -0.2))):
         ax.plot([0, end[0]], [0, end[1]], color="0.3", linestyle="-", linewidth=0.7)
         plotting.label(ax, 0.5 * np.array(end) + shift, name)

@@ -2,7 +2,7 @@ r"""Stretching breaks none of the four validation equations, unless the masking 
 
 The largest relative residual of the four equations at each view direction, for GGX with $\alpha_x = 0.1$ and
 $\alpha_y = 0.6$: Smith with $\alpha_o$ (left), V-cavities (middle), and Smith with the mean roughness $\sqrt{\alpha_x
-\alpha_y}$ at every azimuth (right), as some renderers had it. The first two stay below what the quadrature can tell
+\alpha_y}$ at every azimuth (right). The first two stay below what the quadrature can tell
 from 0; the third is right from straight above and at the one azimuth where $\alpha_o$ happens to be the mean. One
 pair of roughnesses stands for many: over a grid of 25 pairs from 0.05 to 1, with Beckmann as well as GGX, Smith and
 V-cavities hold everywhere.

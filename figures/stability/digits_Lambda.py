@@ -13,7 +13,8 @@ from maps import ANGLES, digit_map
 from microfacet import plotting
 
 SLIDES = (58, 62, 63)
-MAPS = {"ggx_root": "GGX, root", "ggx_library": "GGX, library", "beckmann_erf": "Beckmann, erf", "beckmann_library": "library"}
+MAPS = {"ggx_root": "GGX, root", "ggx_library": "GGX, library", "beckmann_erf": "Beckmann, erf"}
+MAPS["beckmann_library"] = "Beckmann, library"
 CAUSES = {
     "ggx_root": ("$\\sqrt{1+s}-1$\ncancels", "w", (-3.6, -5)),
     "beckmann_erf": ("$\\mathrm{erf}-1$ cancels", "k", (-2.2, 6.5)),
@@ -42,10 +43,12 @@ def maps(axes: plotting.Array, data: dict) -> object:
 
 def curves(ax: plotting.Axes, data: dict, kind: str) -> None:
     """Digits over a, of every form."""
+    styles = plotting.plt.rcParams["axes.prop_cycle"].by_key()["linestyle"]
     for k, (form, label) in enumerate(FORMS[kind].items()):
         for real, width in (("float64", 1.5), ("float32", 0.7)):
             named = label if real == "float64" else None
-            ax.semilogx(data[f"{kind}_a"], data[f"{kind}_{form}_{real}_curve"], f"C{k}", linewidth=width, label=named)
+            digits = data[f"{kind}_{form}_{real}_curve"]
+            ax.semilogx(data[f"{kind}_a"], digits, f"C{k}", linestyle=styles[k], linewidth=width, label=named)
     ax.axhline(data["few"], color="0.6", linestyle="-", linewidth=0.5)
     ax.set(ylim=(-0.3, 16.5), yticks=[0, 3, 7, 15], xlabel="$a$")
     ax.set_xticks([1e-2, 1, 1e4, 1e8] if kind == "ggx" else [0.1, 1, 10])

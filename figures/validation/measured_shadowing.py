@@ -32,7 +32,7 @@ def draw(data: dict) -> plotting.Figure:
         ax.set(xlim=(-4, 184), xticks=[0, 60, 120, 180], ylim=(0.5, 1.03), yticks=[0.6, 0.8, 1])
     for column, alpha in enumerate(data["alpha"]):
         axes[0, column].set_title(rf"$\alpha = {alpha:.1f}$")
-        axes[1, column].set_xlabel(r"azimuth between them (degrees)")
+        axes[1, column].set_xlabel("azimuth (degrees)")
     for ax, degrees in zip(axes[:, 0], data["theta_i"], strict=True):
         ax.set_ylabel(rf"lit, $\theta_i = {degrees:.0f}^\circ$")
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="lower center", ncols=3, bbox_to_anchor=(0.5, -0.02))
