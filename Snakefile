@@ -47,13 +47,15 @@ rule all:
 rule check:
     output:
         "build/checks/{group}.json",
+    priority: 1  # a long job that comes last leaves a processor idle
     params:
         statements=lambda wildcards: build.group(wildcards.group),
+        count=lambda wildcards: len(build.group(wildcards.group)),
         fingerprints=lambda wildcards: build.fingerprints(wildcards.group),
     log:
         "build/logs/check/{group}.log",
     message:
-        "check    {wildcards.group}: {params.statements}"
+        "check    {wildcards.group}: {params.count} statements"
     conda:
         "environment.yml"
     shell:

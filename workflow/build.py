@@ -56,10 +56,13 @@ def digest(value: object) -> str:
 
 
 def groups() -> dict[str, list[str]]:
-    """Statements that are checked by one process, those of a common stem: starting takes longer than most checks."""
+    """Statements that are checked by one process, those of a stage: starting takes longer than most checks.
+
+    What was kept of a statement that has not changed is not checked again.
+    """
     found: dict[str, list[str]] = {}
     for key in inventory.statements():
-        found.setdefault(key.rpartition(".")[0], []).append(key)
+        found.setdefault(key.partition(".")[0], []).append(key)
     return found
 
 

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 FOLDER = "build/campaign"
-SURFACES, RANGE = 32, 8
+SURFACES, RANGE = 32, 16
 
 
 def ranges(count: int, size: int) -> list[tuple[int, int]]:
