@@ -50,12 +50,12 @@ rule check:
     priority: 1  # a long job that comes last leaves a processor idle
     params:
         statements=lambda wildcards: build.group(wildcards.group),
-        count=lambda wildcards: len(build.group(wildcards.group)),
+        number=lambda wildcards: len(build.group(wildcards.group)),
         fingerprints=lambda wildcards: build.fingerprints(wildcards.group),
     log:
         "build/logs/check/{group}.log",
     message:
-        "check    {wildcards.group}: {params.count} statements"
+        "check    {wildcards.group}: {params.number} statements"
     conda:
         "environment.yml"
     shell:

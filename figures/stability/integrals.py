@@ -19,7 +19,7 @@ RULES = {
     "truncated": "up to slope 10, GGX",
     "library_ggx": "library, both",
 }
-TESTS = {"walter": "0.3 % off", "coarse": "coarse cells", "right": "right"}
+TESTS = {"walter": "{:.1f} % off", "coarse": "coarse cells", "right": "right"}
 
 
 def draw(data: dict) -> plotting.Figure:
@@ -35,7 +35,7 @@ def draw(data: dict) -> plotting.Figure:
     density.set(xlabel=r"$\theta_o$ (degrees)", xlim=(0, 90), xticks=[0, 30, 60, 90])
     density.set_title("sum of the density")
     for k, (name, label) in enumerate(TESTS.items()):
-        test.semilogx(data["samples"], data[f"power_{name}"], f"C{k}", label=label)
+        test.semilogx(data["samples"], data[f"power_{name}"], f"C{k}", label=label.format(100 * data["off"]))
         test.plot(data["samples"][::5], data[f"made_{name}"], f"C{k}o", markersize=3)
     test.set(xlabel="samples", ylim=(-0.03, 1.03), xlim=(7e3, 1.4e8), yticks=[0, 0.5, 1], xticks=[1e4, 1e6, 1e8])
     test.set_title("rejected")
