@@ -225,9 +225,7 @@ def _named(name: str, part: Evaluator) -> Evaluator:
 
 
 def _complex(z: Ball) -> bool:
-    from flint import acb
-
-    return isinstance(z, acb)
+    return type(z).__name__ == "acb"  # asked at every node: an import would take longer than the answer
 
 
 def _nowhere(z: Ball) -> Ball:
@@ -378,15 +376,35 @@ def _integral(e: Any) -> Evaluator:
     if len(e.limits) != 1 or len(e.limits[0]) != 3 or any(end.is_infinite for end in e.limits[0][1:]):
         raise NoBall(f"ball arithmetic integrates over one bounded interval, not {e}")
     variable, low, high = e.limits[0]
-    inside, start, stop = _compile(e.function), _compile(low), _compile(high)
+    fixed: dict[Any, sp.Symbol] = {}
+    with sp.evaluate(False):
+        varying = _set_aside(e.function, variable, fixed)
+    inside, start, stop = _compile(varying), _compile(low), _compile(high)
+    once = {symbol: _compile(part) for part, symbol in fixed.items()}
 
     def value(scope: Scope, analytic: bool) -> Ball:
         from flint import ctx
 
         digits = ctx.prec // 5  # the working precision allows half as many again
-        return integral(lambda z, flag: inside({**scope, variable: z}, flag), start(scope, False), stop(scope, False), digits)
+        known = scope | {symbol: part(scope, False) for symbol, part in once.items()}
+        return integral(lambda z, flag: inside(known | {variable: z}, flag), start(scope, False), stop(scope, False), digits)
 
     return value
+
+
+def _set_aside(e: Any, variable: sp.Symbol, fixed: dict[Any, sp.Symbol]) -> Any:
+    """The expression with a symbol for every part that the variable does not occur in: these are `fixed` over an integral."""
+    if e.is_Atom or isinstance(e, sp.Integral):
+        return e
+    if not e.has(variable):
+        symbol: sp.Symbol = fixed.setdefault(e, sp.Dummy())
+        return symbol
+    parts = list(e.args)
+    if isinstance(e, sp.Add | sp.Mul):
+        constant = [part for part in parts if not part.has(variable)]
+        if len(constant) > 1:
+            parts = [e.func(*constant), *(part for part in parts if part.has(variable))]
+    return e.func(*(_set_aside(part, variable, fixed) for part in parts))
 
 
 _COMPILERS: dict[type, Callable[[Any], Evaluator]] = {

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.stats import norm, t
+from scipy.special import ndtr, stdtr
 
 from microfacet.brdf.specular import Microfacet
 from microfacet.checks import Mark
@@ -73,7 +73,7 @@ def off(found: Estimate, expected: float, surfaces: int) -> float:
     value, error = float(found.value), float(found.error)
     if error < 1e-12:  # all surfaces show the same
         return 1.0 if abs(value - expected) < 1e-9 else 0.0
-    return float(2 * t.sf(abs(value - expected) / error, surfaces - 1))
+    return float(2 * stdtr(surfaces - 1, -abs(value - expected) / error))
 
 
 def over_views(quantity: str, expected: Callable[[GaussianField, np.ndarray], float]) -> list[Look]:
@@ -170,7 +170,7 @@ def weighed(*distributions: Distribution, albedo: Callable[[Microfacet, np.ndarr
             pdf = brdf.pdf(wo, wi)
             weight = np.where(pdf > 0, brdf.evaluate(wo, wi) * wi[:, 2] / np.where(pdf > 0, pdf, 1.0), 0.0)
             error = weight.std(ddof=1) / np.sqrt(SAMPLES)
-            odds = 2 * norm.sf(abs(weight.mean() - albedo(brdf, wo)) / error)
+            odds = 2 * ndtr(-abs(weight.mean() - albedo(brdf, wo)) / error)
             looks.append(Look(float(odds), f"{ndf!r}, theta_o = {degrees:.0f}", float(error)))
     return looks
 
