@@ -386,7 +386,7 @@ def _integral(e: Any) -> Evaluator:
         from flint import ctx
 
         digits = ctx.prec // 5  # the working precision allows half as many again
-        known = scope | {symbol: part(scope, False) for symbol, part in once.items()}
+        known = {**scope, **{symbol: part(scope, False) for symbol, part in once.items()}}
         return integral(lambda z, flag: inside(known | {variable: z}, flag), start(scope, False), stop(scope, False), digits)
 
     return value
