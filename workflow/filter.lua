@@ -94,6 +94,14 @@ local function named_functions(tex)
   return (tex:gsub("\\mathrm{(%a%a+)}", "\\operatorname{%1}"))
 end
 
+-- The power of a function stands at its name: in \cos \theta_o^{2} it would be the angle's.
+local angular = set "cos sin tan cot"
+local function powers_at_names(tex)
+  return (tex:gsub("\\(%a+)%s*(\\theta_%a)%^(%b{})", function(name, angle, power)
+    if angular[name] then return "\\" .. name .. "^" .. power .. " " .. angle .. " " end
+  end))
+end
+
 local function roomy_cases(tex)
   return (tex:gsub("(\\begin{cases})(.-)(\\end{cases})", function(head, body, tail)
     return head .. body:gsub("&", "\\quad &") .. tail
@@ -103,7 +111,7 @@ end
 -- TeX -> the inside of a Typst formula.
 local function formula(tex)
   check(tex)
-  local plain = pandoc.Pandoc{pandoc.Plain{pandoc.Math("InlineMath", roomy_cases(named_functions(tex)))}}
+  local plain = pandoc.Pandoc{pandoc.Plain{pandoc.Math("InlineMath", roomy_cases(powers_at_names(named_functions(tex))))}}
   local written = pandoc.write(plain, "typst"):gsub("^%s+", ""):gsub("%s+$", "")
   local inside = written:match("^%$(.*)%$$")
   if not inside then refuse("something", tex) end
@@ -212,6 +220,18 @@ function Div(div)
   end
 end
 
+-- A number stays on the line of its per cent sign, and of its error.
+local function bound_numbers(inlines)
+  for at = 2, #inlines - 1 do
+    local before, gap, after = inlines[at - 1], inlines[at], inlines[at + 1]
+    local spaced = gap.t == "Space" or gap.t == "SoftBreak"
+    if spaced and (after.t == "Str" and after.text:match("^[%%±]") or before.t == "Str" and before.text == "±") then
+      inlines[at] = pandoc.Str("\u{a0}")
+    end
+  end
+  return inlines
+end
+
 -- Raw HTML and the like would vanish without a word.
 local function refuse_raw(raw)
   if raw.format ~= "typst" then
@@ -222,6 +242,7 @@ end
 
 return {
   {RawInline = refuse_raw, RawBlock = refuse_raw},
+  {Inlines = bound_numbers},
   {Para = function(para) return labelled_equation(para) end},
   {Para = bare_label},
   {Math = Math, Cite = Cite},
