@@ -14,7 +14,7 @@ from microfacet import plotting
 SLIDES = (3,)
 MODEL = (
     "Smith's model, one bounce, exact Fresnel reflectance",
-    "it compares highlights, which later bounces hardly change; how far off the roughest sphere is, the text says",
+    "it compares two distributions under one model; how far off the roughest sphere is, the text says",
 )
 
 
