@@ -3,7 +3,7 @@ r"""A Gaussian surface, rays that are traced on it, and the lobe of many of them
 Left, heights of a surface of Gabor noise, $\alpha = 0.7$. Middle, the same piece in cuts from front to back, with six
 rays that come from the viewer at $60^\circ$ on the left; those in orange leave after one reflection, those in purple
 after more. Right, where the light of millions of rays leaves after one reflection (above) and where Smith's model
-sends it (below), over the hemisphere as in the next figure.
+sends it (below), over the hemisphere of directions seen from above.
 """
 
 import sys
