@@ -7,7 +7,7 @@ from microfacet.datafile import rounded, store
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
 from microfacet.geometry.ward import Ward
-from microfacet.validation.equations import ABOVE, TOLERANCE, residuals
+from microfacet.validation.equations import ABOVE, TOLERANCE, residual
 from microfacet.validation.tables import decide
 from microfacet.visibility.v_cavity import VCavity
 
@@ -28,7 +28,7 @@ def compute() -> dict:
     data = {"alphas": ALPHAS, "tried": TRIED, "x": normals[..., 0], "y": normals[..., 1]}
     for name, family in (("beckmann", Beckmann), ("ggx", GGX), ("ward", Ward)):
         data[name] = np.maximum(family(*ALPHAS).D(normals), 1e-12)
-        pairs = [[residuals(VCavity(family(x, y)), ABOVE)["projected_area"] for x in TRIED] for y in TRIED]
+        pairs = [[residual(VCavity(family(x, y)), "projected_area", ABOVE) for x in TRIED] for y in TRIED]
         values, bounds = np.moveaxis(np.array(pairs)[..., 0], -1, 0)
         data[f"{name}_area"] = np.round(1 + values, 9)
         data[f"{name}_keeps"] = np.abs(values) + bounds <= TOLERANCE

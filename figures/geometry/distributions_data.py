@@ -9,7 +9,7 @@ from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.blinn_phong import BlinnPhong, NormalizedBlinnPhong
 from microfacet.geometry.ggx import GGX
 from microfacet.geometry.ward import Ward
-from microfacet.validation.equations import ABOVE, TOLERANCE, residuals
+from microfacet.validation.equations import ABOVE, TOLERANCE, residual
 from microfacet.validation.tables import decide
 from microfacet.visibility.v_cavity import VCavity
 
@@ -31,7 +31,7 @@ def compute() -> dict:
     density, integral, apart, verdict = [], [], [], []
     for family in FAMILIES:
         turned = exponent if issubclass(family, BlinnPhong) else float
-        found = [residuals(VCavity(family(turned(a))), ABOVE)["projected_area"] for a in alpha]
+        found = [residual(VCavity(family(turned(a))), "projected_area", ABOVE) for a in alpha]
         values, bounds = (np.array(part)[:, 0] for part in zip(*found, strict=True))
         density.append(family(turned(SHOWN)).D(spherical(theta)))
         integral.append(1 + values)

@@ -2,8 +2,8 @@ r"""Error against time for one validation integral.
 
 The projected area of the facets that a viewer at $75^\circ$ sees of a Beckmann surface with $\alpha = 0.1$, by rules of
 more and more nodes. Filled dots are on the front: nothing is both faster and nearer. The library's rules are one dot each,
-because they choose their nodes themselves: the star for a distribution that is known by name, with all four validation
-equations and their errors in its time, the other for any function. Arb's error is the radius of a ball that is proved to hold
+because they choose their nodes themselves: the star for a distribution that the library can compile, the other for any
+function; an estimate of the error is in the time of both. Arb's error is the radius of a ball that is proved to hold
 the area; at more digits than can be drawn here it goes on falling.
 """
 

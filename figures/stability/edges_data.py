@@ -11,7 +11,7 @@ from microfacet.directions import spherical
 from microfacet.geometry.ggx import GGX
 from microfacet.statement import DIGITS
 from microfacet.surface.trace import ESCAPED, HeightField
-from microfacet.validation.equations import residuals
+from microfacet.validation.equations import residual
 from microfacet.validation.trust import digits, exact_D, exact_Lambda
 from microfacet.validation.trust import rounded as as_seen
 from microfacet.visibility.smith import Smith
@@ -103,7 +103,7 @@ def slips() -> dict:
     mean = Smith(GGX(np.sqrt(0.6 * 0.1))).G1(views, up) / Smith(GGX(0.6, 0.1)).G1(views, up) - 1
     brdf, numbers = Microfacet(Smith(GGX(1.0))), np.random.default_rng(SEED).random((20000, 2))
     down = [brdf.sample(wo, numbers)[:, 2] < 0 for wo in spherical(np.radians([0.0, 80.0]))]
-    areas = [residuals(Smith(ndf), views[::8])["visible_area"][0] for ndf in (GGX(ROUGH), GGX(0.6, 0.1))]
+    areas = [residual(Smith(ndf), "visible_area", views[::8])[0] for ndf in (GGX(ROUGH), GGX(0.6, 0.1))]
     found |= {"twice_library": np.abs(areas[0]).max(), "mean_library": np.abs(areas[1]).max()}
     return found | {"twice": np.abs(twice).max(), "mean": np.abs(mean).max(), "down": np.mean(down, axis=1)}
 

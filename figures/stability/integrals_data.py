@@ -8,7 +8,7 @@ from microfacet.datafile import rounded, store
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
-from microfacet.validation.equations import residuals
+from microfacet.validation.equations import residual
 from microfacet.visibility.smith import Smith
 from scipy.special import erfc
 from scipy.stats import chi2, ncx2
@@ -36,8 +36,8 @@ def missed() -> dict:
         "midpoint_ggx": [midpoint(GGX(a)) for a in ALPHA],
         "adaptive": [adaptive(Beckmann(a))[0] for a in ALPHA],
         "truncated": [truncated(GGX(a)) for a in ALPHA],
-        "library_beckmann": [1 + residuals(Smith(Beckmann(a)), UP)["visible_area"][0][0] for a in ALPHA],
-        "library_ggx": [1 + residuals(Smith(GGX(a)), UP)["visible_area"][0][0] for a in ALPHA],
+        "library_beckmann": [1 + residual(Smith(Beckmann(a)), "visible_area", UP)[0][0] for a in ALPHA],
+        "library_ggx": [1 + residual(Smith(GGX(a)), "visible_area", UP)[0][0] for a in ALPHA],
     }
     return {name: np.maximum(np.abs(np.array(values) - 1), FLOOR) for name, values in found.items()}
 

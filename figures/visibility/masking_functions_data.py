@@ -7,7 +7,7 @@ from microfacet.datafile import rounded, store
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
-from microfacet.validation.equations import TOLERANCE, residuals
+from microfacet.validation.equations import TOLERANCE, residual
 from microfacet.validation.tables import MASKINGS, decide
 
 DISTRIBUTIONS = (Beckmann(0.4), GGX(1.0))
@@ -20,7 +20,7 @@ def compute() -> dict:
     share, apart, verdict = [], [], []
     for ndf in DISTRIBUTIONS:
         for make, _ in MASKINGS.values():
-            values, bounds = residuals(make(ndf), views)["visible_area"]
+            values, bounds = residual(make(ndf), "visible_area", views)
             share.append(1 + values)
             apart.append(np.where(np.abs(values) > FLOOR, np.abs(values), FLOOR))
             verdict.append(decide(values, bounds, TOLERANCE))

@@ -10,7 +10,7 @@ from microfacet import balls, checks
 from microfacet.directions import spherical
 from microfacet.statement import equations
 from microfacet.validation import enclosure
-from microfacet.validation.equations import residuals
+from microfacet.validation.equations import residual
 from microfacet.validation.tables import table_of_distributions, table_of_masking
 
 pytest.importorskip("flint")
@@ -113,12 +113,12 @@ def test_crosses_agree_with_quadrature():
         ndf = mf.GGX(alpha)
         named = {"implicit_ggx": mf.Implicit(ndf), "schlick_smith_halved_ggx": mf.SchlickSmith(ndf, alpha / 2)}
         for name, model in named.items():
-            computed = residuals(model, wo)["visible_area"][0]
+            computed = residual(model, "visible_area", wo)[0]
             stated = equations[f"validation.table2.{name}"].equals
             values = [balls.exact(stated, (enclosure.alpha, enclosure.mu_o))(alpha, mu) for mu in wo[:, 2]]
             np.testing.assert_allclose(computed, [float(v) for v in values], atol=1e-11)
     for seen, ndf in ((enclosure._beckmann_seen, mf.Beckmann(0.4)), (enclosure._ggx_seen, mf.GGX(0.4))):
-        computed = residuals(mf.Kelemen(ndf), wo)["visible_area"][0] + 1
+        computed = residual(mf.Kelemen(ndf), "visible_area", wo)[0] + 1
         with balls.precision(80):
             exact = [float(seen(balls.ball(0.4), balls.ball(z / math.sqrt(1 - z * z) / 0.4))) for z in wo[:, 2]]
         np.testing.assert_allclose(computed, exact, rtol=1e-7)

@@ -116,62 +116,77 @@ def _above(wo: Any) -> np.ndarray:
 
 
 @cache
-def _sums(masked: Callable[..., float], normals: Callable[..., float]) -> Callable[..., tuple[float, float, float]]:
-    """What the visible area, the norm of the visible normals and the weak white furnace sum up, for one normal."""
-    visible = visible_density(masked, normals)
+def _upright(masked: Callable[..., float], normals: Callable[..., float]) -> Callable[..., float]:
+    """What the projected area sums up: seen from straight above, the normals with wo.wm > 0 are all there are."""
 
-    def sums(
-        view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any
-    ) -> tuple[float, float, float]:
+    def upright(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
+        return mz * normals(mx, my, mz, p[0])
+
+    return upright
+
+
+@cache
+def _seen(masked: Callable[..., float], normals: Callable[..., float]) -> Callable[..., float]:
+    """What the visible area sums up, over the cosine."""
+
+    def seen(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
+        cosine = ox * mx + oy * my + oz * mz
+        return masked(view, ox, oy, oz, mx, my, mz, p) * cosine * normals(mx, my, mz, p[0]) / oz if cosine > 0.0 else 0.0
+
+    return seen
+
+
+@cache
+def _mirrored(masked: Callable[..., float], normals: Callable[..., float]) -> Callable[..., float]:
+    """What the weak white furnace sums up: the density of light directions at the mirror direction, times 4 wo.wm.
+
+    It goes through the half vector of the light direction. What rounding leaves out of that direction is kept: near grazing,
+    the half vector is small beside it.
+    """
+
+    def mirrored(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
         cosine = ox * mx + oy * my + oz * mz
         if not cosine > 0.0:
-            return 0.0, 0.0, 0.0
-        area = masked(view, ox, oy, oz, mx, my, mz, p) * cosine * normals(mx, my, mz, p[0])
-        # the density of light directions at the mirror direction, through its half vector, times 4 wo.wm; what rounding
-        # leaves out of the light direction is kept: near grazing, the half vector is small beside it
+            return 0.0
         ix, x_rest = two_sum(2.0 * cosine * mx, -ox)
         iy, y_rest = two_sum(2.0 * cosine * my, -oy)
         iz, z_rest = two_sum(2.0 * cosine * mz, -oz)
         hx, hy, hz = ox + ix + x_rest, oy + iy + y_rest, oz + iz + z_rest
         length = sqrt(hx * hx + hy * hy + hz * hz)
         hx, hy, hz = hx / length, hy / length, hz / length
-        light = reflected_density(masked(view, ox, oy, oz, hx, hy, hz, p), normals(hx, hy, hz, p[0]), oz) * 4.0 * cosine
-        return area, visible(view, ox, oy, oz, mx, my, mz, p), light
+        return reflected_density(masked(view, ox, oy, oz, hx, hy, hz, p), normals(hx, hy, hz, p[0]), oz) * 4.0 * cosine
 
-    return sums
-
-
-@cache
-def _upright(normals: Callable[..., float]) -> Callable[..., tuple[float, float, float]]:
-    """Seen from straight above, the normals with wo.wm > 0 are all there are."""
-
-    def upright(
-        view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any
-    ) -> tuple[float, float, float]:
-        return mz * normals(mx, my, mz, p[0]), 0.0, 0.0
-
-    return upright
+    return mirrored
 
 
+INTEGRANDS = {
+    "projected_area": _upright,
+    "visible_area": _seen,
+    "visible_norm": visible_density,
+    "weak_furnace": _mirrored,
+}
 ABOVE = np.array([0.0, 0.0, 1.0])
 
 
+def residual(model: Masking, equation: str, wo: Any) -> tuple[np.ndarray, np.ndarray]:
+    """The relative residuals of one of the four validation equations at view directions (n, 3), and their errors.
+
+    equation: a key of `INTEGRANDS`; any other is a ValueError.
+    """
+    if equation not in INTEGRANDS:
+        raise ValueError(f"equation must be one of {', '.join(INTEGRANDS)}, got {equation!r}")
+    views, normals = _above(wo), type(model.ndf).kernel
+    level = equation == "projected_area"
+    integrand = INTEGRANDS[equation](nothing if level else model.masked_kernel, normals)
+    rule = seen_batch(nothing if level else model.view_kernel, integrand, normals)
+    found = rule([ABOVE if level else views], (model.parameters, model.ndf.scale))
+    values, bounds = found[..., 0] - 1, np.abs(found[..., 0] - found[..., 1]) + ROUNDING
+    return (np.full(len(views), values), np.full(len(views), bounds)) if level else (values, bounds)
+
+
 def residuals(model: Masking, wo: Any) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """For each of the four validation equations its relative residuals at view directions (n, 3), and their errors."""
-    views, parameters = _above(wo), (model.parameters, model.ndf.scale)
-    normals = type(model.ndf).kernel
-    upright = seen_batch(nothing, _upright(normals), normals)([ABOVE], parameters)
-    sums = seen_batch(model.view_kernel, _sums(model.masked_kernel, normals), normals)([views], parameters)
-    rules = sums.reshape(-1, 2, 3)
-    rules[:, :, 0] /= views[:, 2:]
-    values, bounds = rules[:, 0] - 1, np.abs(rules[:, 0] - rules[:, 1]) + ROUNDING
-    projected, apart = upright[0] - 1, abs(upright[0] - upright[3]) + ROUNDING
-    return {
-        "projected_area": (np.full(len(views), projected), np.full(len(views), apart)),
-        "visible_area": (values[:, 0], bounds[:, 0]),
-        "visible_norm": (values[:, 1], bounds[:, 1]),
-        "weak_furnace": (values[:, 2], bounds[:, 2]),
-    }
+    """`residual` of each of the four, by name."""
+    return {equation: residual(model, equation, wo) for equation in INTEGRANDS}
 
 
 def _integral_verdict(name: str, values: np.ndarray, bounds: np.ndarray, views: np.ndarray, tolerance: float) -> Verdict:

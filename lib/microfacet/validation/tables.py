@@ -20,7 +20,7 @@ from microfacet.geometry.slopes import Distribution
 from microfacet.geometry.ward import Ward
 from microfacet.notation import alpha, n
 from microfacet.statement import Equation, reference
-from microfacet.validation.equations import PAIRS, THETA, TOLERANCE, Verdict, decide, default_views, residuals, validate
+from microfacet.validation.equations import PAIRS, THETA, TOLERANCE, Verdict, decide, default_views, residual, validate
 from microfacet.visibility import unphysical
 from microfacet.visibility.masking import Masking
 from microfacet.visibility.smith import Smith
@@ -66,7 +66,7 @@ class Trial:
 def attempt(label: str, model: Masking) -> Trial:
     """Put a model to all equations, from all default views."""
     views = default_views(model.ndf)
-    values, bounds = residuals(model, views)["visible_area"]
+    values, bounds = residual(model, "visible_area", views)
     angles = np.array([degrees_of(view) for view in views])
     by_angle = {int(t): decide(values[angles == t], bounds[angles == t], TOLERANCE) for t in np.unique(angles)}
     farthest = views[np.argmax(np.abs(values))]

@@ -32,8 +32,7 @@ BEYOND = ByPrecision(1.0 - 1e-9, 1.0 - 1e-5)  # an edge of visibility at this sh
 BEYOND_LIGHT = 0.995  # and at this one, nine scales out, beyond exponential ones
 PROBE, FALLEN = 4.0, 1e-4  # tails are exponential if at so many scales the density has fallen below this
 
-Three = tuple[float, float, float]
-Six = tuple[float, float, float, float, float, float]
+Pair = tuple[float, float]
 Nodes = tuple[np.ndarray, np.ndarray]
 
 
@@ -107,8 +106,8 @@ ACROSS, PORTIONS, ACROSS_STARTS = _joined([rule[1] for rule in RULES])
 
 
 @cache
-def slope_strip(integrand: Callable[..., Three]) -> Callable[..., Three]:
-    """The kernel of three integrals of integrand(view, o, m, p) over the normals m between two slopes along the view.
+def slope_strip(integrand: Callable[..., float]) -> Callable[..., float]:
+    """The kernel of the integral of integrand(view, o, m, p) over the normals m between two slopes along the view.
 
     rule: which of `RULES`. light: whether it is one for tails that fall exponentially. view: what the model needs to know
     of the direction o, whose azimuth has cosine c and sine s. start, stop: the slopes, as shares of a quarter turn or as
@@ -127,12 +126,12 @@ def slope_strip(integrand: Callable[..., Three]) -> Callable[..., Three]:
         start: float,
         stop: float,
         p: Any,
-    ) -> Three:
+    ) -> float:
         alpha_x, alpha_y = p[1]
         along = sqrt((c * alpha_x) * (c * alpha_x) + (s * alpha_y) * (s * alpha_y))
         aside = alpha_x * alpha_y / along
         shift = s * c * (alpha_y * alpha_y - alpha_x * alpha_x) / (along * along)
-        first, second, third = 0.0, 0.0, 0.0
+        total = 0.0
         for k in range(int(STARTS[rule]), int(STARTS[rule + 1])):
             share = start + (stop - start) * (0.5 + 0.5 * NODES[k])
             if light:
@@ -149,53 +148,10 @@ def slope_strip(integrand: Callable[..., Three]) -> Callable[..., Three]:
                 r = shift * q + widening * ACROSS[j]
                 x, y = c * q - s * r, s * q + c * r
                 m = 1.0 / sqrt(1.0 + x * x + y * y)
-                weight = strong * PORTIONS[j] * (m * m * m)
-                f, g, h = integrand(view, ox, oy, oz, -x * m, -y * m, m, p[0])
-                first, second, third = first + weight * f, second + weight * g, third + weight * h
-        return first * (stop - start), second * (stop - start), third * (stop - start)
+                total += strong * PORTIONS[j] * (m * m * m) * integrand(view, ox, oy, oz, -x * m, -y * m, m, p[0])
+        return total * (stop - start)
 
     return strip
-
-
-@cache
-def seen_integrals(integrand: Callable[..., Three]) -> Callable[..., Three]:
-    """The kernel of the integrals by one rule over all normals with wo.wm > 0; see `slope_strip`."""
-    strip = slope_strip(integrand)
-
-    def integrals(rule: int, light: bool, view: float, ox: float, oy: float, oz: float, p: Any) -> Three:
-        across = sqrt(ox * ox + oy * oy)
-        c = ox / across if across > 0.0 else 1.0
-        s = oy / across if across > 0.0 else 0.0
-        along = sqrt((c * p[1][0]) * (c * p[1][0]) + (s * p[1][1]) * (s * p[1][1]))
-        slope = oz / (across * along) if across > 0.0 else 1e30
-        edge = tanh(slope / LIGHT) if light else atan(slope) / (0.5 * pi)
-        edge = 1.0 if edge > (BEYOND_LIGHT if light else BEYOND) else edge
-        f1, g1, h1, f2, g2, h2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        for part in range(2):
-            start, stop = (-1.0, -edge) if part == 0 else (-edge, edge)
-            if stop > start:
-                f1, g1, h1 = strip(rule, light, view, ox, oy, oz, c, s, start, stop, p)
-                f2, g2, h2 = f2 + f1, g2 + g1, h2 + h1
-        return f2, g2, h2
-
-    return integrals
-
-
-@cache
-def hidden_integrals(integrand: Callable[..., Three]) -> Callable[..., Three]:
-    """The same over all normals with wo.wm < 0."""
-    strip = slope_strip(integrand)
-
-    def integrals(rule: int, light: bool, view: float, ox: float, oy: float, oz: float, p: Any) -> Three:
-        across = sqrt(ox * ox + oy * oy)
-        c, s = ox / across, oy / across
-        along = sqrt((c * p[1][0]) * (c * p[1][0]) + (s * p[1][1]) * (s * p[1][1]))
-        slope = oz / (across * along)
-        exponential = light and tanh(slope / LIGHT) < BEYOND
-        edge = tanh(slope / LIGHT) if exponential else atan(slope) / (0.5 * pi)
-        return strip(rule, exponential, view, ox, oy, oz, c, s, edge, 1.0, p)
-
-    return integrals
 
 
 @cache
@@ -217,60 +173,64 @@ def light_tails(normals: Callable[..., float]) -> Callable[..., bool]:
 
 
 @cache
-def settled(integrals: Callable[..., Three]) -> Callable[..., Six]:
-    """The kernel that goes from rule to rule until two agree, and returns them: first that of more nodes.
+def settled(integrand: Callable[..., float], hidden: bool = False) -> Callable[..., Pair]:
+    """The kernel of the integral over all normals with wo.wm > 0, or < 0 if `hidden`: it goes from rule to rule until two
+    agree, and returns them, first that of more nodes. For the integrand see `slope_strip`.
 
-    begin: the first rules to pass over. guess: whether exponential tails are likely. floor: what the integrals are added
-    to, so that they need no more digits than the sum has. enough: the relative difference at which two rules agree.
+    begin: the first rules to pass over. guess: whether exponential tails are likely. floor: what the integral is added
+    to, so that it needs no more digits than the sum has. enough: the relative difference at which two rules agree.
     """
+    strip = slope_strip(integrand)
 
     def settled(
         begin: int, guess: bool, floor: float, enough: float, view: float, ox: float, oy: float, oz: float, p: Any
-    ) -> Six:
-        heavy, steps = (UNKNOWN, UNKNOWN, UNKNOWN), (UNKNOWN, UNKNOWN, UNKNOWN)
-        coarse_heavy, coarse_steps = heavy, steps
+    ) -> Pair:
+        across = sqrt(ox * ox + oy * oy)
+        c = ox / across if across > 0.0 else 1.0
+        s = oy / across if across > 0.0 else 0.0
+        along = sqrt((c * p[1][0]) * (c * p[1][0]) + (s * p[1][1]) * (s * p[1][1]))
+        slope = oz / (across * along) if across > 0.0 else 1e30
+        edge_heavy, edge_light = atan(slope) / (0.5 * pi), tanh(slope / LIGHT)
+        heavy, steps, coarse_heavy, coarse_steps = UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN
         for turn in range(begin, TURNS):
             rule = int(SCHEDULE[turn + TURNS if guess else turn])
             light = FOR_LIGHT[rule] > 0.5
-            fine = integrals(rule, light, view, ox, oy, oz, p)
+            fine = 0.0
+            if hidden:
+                exponential = light and edge_light < BEYOND
+                edge = edge_light if exponential else edge_heavy
+                fine = strip(rule, exponential, view, ox, oy, oz, c, s, edge, 1.0, p)
+            else:
+                edge = edge_light if light else edge_heavy
+                edge = 1.0 if edge > (BEYOND_LIGHT if light else BEYOND) else edge
+                for part in range(2):
+                    start, stop = (-1.0, -edge) if part == 0 else (-edge, edge)
+                    fine += strip(rule, light, view, ox, oy, oz, c, s, start, stop, p) if stop > start else 0.0
             coarse = steps if light else heavy
             coarse_steps, steps = (steps, fine) if light else (coarse_steps, steps)
             coarse_heavy, heavy = (coarse_heavy, heavy) if light else (heavy, fine)
-            if agree(coarse, fine, floor, enough):
-                return fine[0], fine[1], fine[2], coarse[0], coarse[1], coarse[2]
+            if abs(coarse - fine) <= enough * (floor + abs(fine)):
+                return fine, coarse
         # none agreed: of the two kinds, the one that moved less
-        if apart(coarse_steps, steps) < apart(coarse_heavy, heavy):
-            return steps[0], steps[1], steps[2], coarse_steps[0], coarse_steps[1], coarse_steps[2]
-        return heavy[0], heavy[1], heavy[2], coarse_heavy[0], coarse_heavy[1], coarse_heavy[2]
+        if abs(coarse_steps - steps) < abs(coarse_heavy - heavy):
+            return steps, coarse_steps
+        return heavy, coarse_heavy
 
     return settled
 
 
 @cache
-def seen_batch(view: Callable[..., float], integrand: Callable[..., Three], normals: Callable[..., float]) -> Batch:
-    """The last two rules over arrays of view directions: (..., 3) -> (..., 6), the one of more nodes first.
+def seen_batch(view: Callable[..., float], integrand: Callable[..., float], normals: Callable[..., float]) -> Batch:
+    """The last two rules over arrays of view directions: (..., 3) -> (..., 2), the one of more nodes first.
 
     view, integrand: see `slope_strip`. normals: the kernel of D, to which p[0] goes as its parameters.
     """
-    settle, fall = settled(seen_integrals(integrand)), light_tails(normals)
+    settle, fall = settled(integrand), light_tails(normals)
 
-    def both(ox: float, oy: float, oz: float, p: Any) -> Six:
+    def both(ox: float, oy: float, oz: float, p: Any) -> Pair:
         guess = fall((p[0][0], p[1]))
         across = sqrt(ox * ox + oy * oy)
         whole = guess and oz > FARTHEST * max(p[1][0], p[1][1]) * across
         return settle(ONE_PANEL if whole else 0, guess, 0.0, AGREED, view(ox, oy, oz, p[0]), ox, oy, oz, p)
 
-    return Batch(both, [3], 6)
-
-
-def apart(coarse: Three, fine: Three) -> float:
-    """By how much two rules differ, in all three integrals together."""
-    return abs(coarse[0] - fine[0]) + abs(coarse[1] - fine[1]) + abs(coarse[2] - fine[2])
-
-
-def agree(coarse: Three, fine: Three, floor: float, enough: float) -> bool:
-    return (
-        abs(coarse[0] - fine[0]) <= enough * (floor + abs(fine[0]))
-        and abs(coarse[1] - fine[1]) <= enough * (floor + abs(fine[1]))
-        and abs(coarse[2] - fine[2]) <= enough * (floor + abs(fine[2]))
-    )
+    return Batch(both, [3], 2)

@@ -27,7 +27,6 @@ from microfacet.visibility.quadrature import (
     NODES,
     STARTS,
     WEIGHTS,
-    hidden_integrals,
     light_tails,
     settled,
 )
@@ -200,13 +199,11 @@ LEAST = 0.01
 
 
 @cache
-def _hiding(D: Callable[..., float]) -> Callable[..., tuple[float, float, float]]:
+def _hiding(D: Callable[..., float]) -> Callable[..., float]:
     """What a facet hides: the projected area that it turns away."""
 
-    def hiding(
-        view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any
-    ) -> tuple[float, float, float]:
-        return max(-(ox * mx + oy * my + oz * mz), 0.0) * D(mx, my, mz, p[0]), 0.0, 0.0
+    def hiding(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
+        return max(-(ox * mx + oy * my + oz * mz), 0.0) * D(mx, my, mz, p[0])
 
     return hiding
 
@@ -217,7 +214,7 @@ def quadrature_Lambda(D: Callable[..., float]) -> Callable[..., float]:
 
     By the rules of the validation: from few nodes on until two rules agree.
     """
-    settle, fall = settled(hidden_integrals(_hiding(D))), light_tails(D)
+    settle, fall = settled(_hiding(D), hidden=True), light_tails(D)
 
     def tail_Lambda(x: float, y: float, z: float, p: Any) -> float:
         if x * x + y * y == 0.0:
