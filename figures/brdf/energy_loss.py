@@ -15,7 +15,7 @@ from microfacet import plotting
 SLIDES = (73, 74, 75)
 MODEL = (
     "Smith's model, one bounce, perfect mirrors",
-    "what one bounce leaves out is what it shows, and that needs no more bounces to be known",
+    "it shows what one bounce leaves out",
 )
 LOOKS = (("ggx", "GGX", "-"), ("beckmann", "Beckmann", "--"))
 VIEWS = (("view", "straight above"), ("light", r"$60^\circ$"), ("ink", "everywhere"))

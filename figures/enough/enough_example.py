@@ -13,7 +13,7 @@ from microfacet.enough import chart
 SLIDES = (73, 74, 75)
 MODEL = (
     "all candidates for GGX, and random walks, exact Fresnel reflectance",
-    "nothing more complete is known for GGX; how far that is from a Gaussian surface is told in the text",
+    "for GGX nothing more complete is known; the text says how far that is from surfaces",
 )
 
 

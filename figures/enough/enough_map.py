@@ -17,7 +17,7 @@ from microfacet import plotting
 
 SLIDES = (73, 74, 75)
 MODEL = (
-    "all candidates, random walks, and ray-traced surfaces, all bounces, exact Fresnel reflectance",
+    "all candidates, random walks and ray-traced surfaces, exact Fresnel reflectance",
     "errors are relative to the most complete one that there is for each distribution",
 )
 ROWS = {"ggx": "GGX", "beckmann": "Gaussian slopes"}

@@ -14,7 +14,7 @@ from microfacet import plotting
 SLIDES = (3,)
 MODEL = (
     "Smith's model, one bounce, exact Fresnel reflectance",
-    "it compares two distributions under one model; how far off the roughest sphere is, the text says",
+    "one model for two distributions; how far off the roughest are, the text says",
 )
 
 

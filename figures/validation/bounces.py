@@ -15,7 +15,7 @@ from microfacet import plotting
 SLIDES = (73, 74, 75)
 MODEL = (
     "ray-traced surfaces and random walks, all bounces; Smith's model and V-cavities, one",
-    "the surfaces are the most complete model that there is, and the others are held against it",
+    "the surfaces are the most complete model, and the others are held against them",
 )
 SHADES = ("#1F4E79", "#3F7CAC", "#7FAFD0", "#AECBE0", "#D0E0EC", "#E8F0F6")
 ORDERS = (("one", "view", "o"), ("two", "light", "s"), ("three", "green", "^"), ("more bounces", "lost", "v"))

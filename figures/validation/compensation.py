@@ -13,7 +13,7 @@ from microfacet import plotting
 
 SLIDES = (73, 74, 75)
 MODEL = (
-    "ray-traced surfaces and random walks, all bounces; one bounce, with and without compensation",
+    "ray-traced surfaces and random walks, all bounces; one, made up for or not",
     "the surfaces are the most complete model that there is",
 )
 LOOKS = (("view", "o", "-"), ("light", "s", "--"), ("green", "^", ":"), ("ink", "v", "-."))
