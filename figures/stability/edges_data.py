@@ -4,14 +4,13 @@ import sys
 
 import mpmath
 import numpy as np
-from faulty import distances, frame_plain, frame_signed, ggx_D_cosine, rho_floored, rho_squares_first, skew
+from faulty import distances, ggx_D_cosine, rho_floored, rho_squares_first
 from microfacet.brdf.specular import Microfacet
 from microfacet.datafile import rounded, store
 from microfacet.directions import spherical
 from microfacet.geometry.ggx import GGX
 from microfacet.statement import DIGITS
 from microfacet.surface.trace import ESCAPED, HeightField
-from microfacet.validation.equations import residual
 from microfacet.validation.trust import digits, exact_D, exact_Lambda
 from microfacet.validation.trust import rounded as as_seen
 from microfacet.visibility.smith import Smith
@@ -92,25 +91,9 @@ def rays() -> dict:
     return {"wrong": np.array(wrong), "library": np.mean(walked != blocked), "blocked": blocked.mean(), "rays": len(facet)}
 
 
-def slips() -> dict:
-    """What goes wrong by a slip: a frame near -z, two roughnesses for one, one for two, light sent into the surface."""
-    tangent = np.logspace(-6, 0, 25)
-    below = (spherical(np.arctan(tangent), 0.6) * [1, 1, -1]).astype(SINGLE)
-    found = {"frame": skew(frame_plain, below).max(), "frame_signed": skew(frame_signed, below).max()}
-    found["frame_from"] = tangent[skew(frame_plain, below) > 1e-3].max()
-    up, views = [0.0, 0.0, 1.0], spherical(np.radians(np.arange(1, 90)))
-    twice = Smith(GGX(ROUGH**2)).G1(views, up) / Smith(GGX(ROUGH)).G1(views, up) - 1
-    mean = Smith(GGX(np.sqrt(0.6 * 0.1))).G1(views, up) / Smith(GGX(0.6, 0.1)).G1(views, up) - 1
-    brdf, numbers = Microfacet(Smith(GGX(1.0))), np.random.default_rng(SEED).random((20000, 2))
-    down = [brdf.sample(wo, numbers)[:, 2] < 0 for wo in spherical(np.radians([0.0, 80.0]))]
-    areas = [residual(Smith(ndf), "visible_area", views[::8])[0] for ndf in (GGX(ROUGH), GGX(0.6, 0.1))]
-    found |= {"twice_library": np.abs(areas[0]).max(), "mean_library": np.abs(areas[1]).max()}
-    return found | {"twice": np.abs(twice).max(), "mean": np.abs(mean).max(), "down": np.mean(down, axis=1)}
-
-
 def compute() -> dict:
     with np.errstate(all="ignore"):
-        data = {**grazing(), **longer(), **slips()}
+        data = {**grazing(), **longer()}
     names = {"cosines": COSINE, "alpha": ALPHA, "longer": LONGER, "offsets": OFFSETS, "shifts": SHIFTS}
     found = rays()
     return rounded({**data, **names, **{f"rays_{name}": values for name, values in found.items()}}, digits=4)

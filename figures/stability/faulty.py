@@ -194,6 +194,24 @@ def distances(origins, directions, triangles):
 # --- slips that no rounding explains ------------------------------------------------------------------------------------
 
 
+def axes_swapped(ndf, wo, u):
+    """Visible normals of the surface turned by a right angle."""
+    return Smith(type(ndf)(ndf.alpha_y, ndf.alpha_x)).sample_visible(wo, u)
+
+
+def one_roughness(ndf, wo, u):
+    """Visible normals of an isotropic surface in place of a stretched one."""
+    return Smith(type(ndf)(np.sqrt(ndf.alpha_x * ndf.alpha_y))).sample_visible(wo, u)
+
+
+def rho_both_sides(ndf, wo, wi):
+    """The formula with absolute cosines and no question on which side directions are."""
+    h = half_vector(wo, wi)
+    h = h * np.sign(h[..., 2:])
+    G1 = [Smith(ndf).G1(w * np.sign(w[..., 2:]), [0.0, 0.0, 1.0]) for w in (wo, wi)]
+    return ndf.D(h) * G1[0] * G1[1] / (4 * np.abs(wo[..., 2] * wi[..., 2]))
+
+
 def frame_plain(n):
     """Two vectors at right angles to a normal (n, 3) and each other, by a quotient that is 0/0 at -z."""
     x, y, z = n.T
