@@ -80,7 +80,7 @@ def measured(calls: list[yardsticks.Job], rounds: int) -> dict[str, dict[str, An
         for (name, _, call), (count, turns), kept in zip(calls, plans, times, strict=True):
             if turn < turns:
                 kept.append(duration(call, count))
-                time.sleep(GAP if name in yardsticks.GUESTS else 0)
+                time.sleep(GAP if any(name in guests for guests in yardsticks.GUESTS.values()) else 0)
     rows: dict[str, dict[str, Any]] = {}
     for (name, size, _), kept in zip(calls, times, strict=True):
         row = rows.setdefault(name, {"sizes": [], "seconds": []})
@@ -108,16 +108,16 @@ def quantity(name: str, rounds: int, largest: int) -> dict[str, Any]:
     kept: dict[str, Any] = {"commit": commit(), "machine": machine(), "rounds": rounds}
     with tempfile.TemporaryDirectory() as folder:
         calls, errors = jobs(name, largest), {}
-        if name == "brdf":
+        if name in yardsticks.GUESTS:
             sizes = sorted({min(size, largest) for size in rivals.QUANTITIES[name]["library"].sizes})
-            guests, kept["rivals"], errors = yardsticks.guest_jobs(folder, largest)
-            calls += [*yardsticks.cpp_jobs(folder, tuple(sizes)), *guests]
+            guests, kept["rivals"], errors = yardsticks.guest_jobs(name, folder, largest)
+            calls += [*yardsticks.cpp_jobs(folder, name, tuple(sizes)), *guests]
         rows = measured(calls, rounds)
     for key, row in rows.items():
         method = rivals.QUANTITIES[name].get(key)
-        row["words"] = method.words if method else yardsticks.words(key)
+        row["words"] = method.words if method else yardsticks.known(name)[key]
         row["fingerprint"] = method.fingerprint if method else ""
-        row |= {"error": errors[key], "version": yardsticks.version(key)} if key in errors else {}
+        row |= {"error": errors[key], "version": yardsticks.version(name, key)} if key in errors else {}
     return {**kept, "rows": rows}
 
 

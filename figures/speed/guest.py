@@ -1,9 +1,10 @@
-"""A guest's process: evaluates a BRDF of GGX over arrays in a folder, once for each line that it is told.
+"""A guest's process: evaluates a BRDF or draws visible normals over arrays in a folder, once for each line that it is told.
 
-    python figures/speed/guest.py jax|mitsuba FOLDER ALPHA_X ALPHA_Y
+    python figures/speed/guest.py jax brdf FOLDER ALPHA_X ALPHA_Y
+    python figures/speed/guest.py mitsuba brdf|ggx|beckmann FOLDER ALPHA_X ALPHA_Y
 
-It reads wo.npy and wi.npy, takes them apart into x, y and z, which suits it best, answers "done" to each line, and keeps
-what it found the first time as found.npy.
+It reads wo.npy and other.npy (lights, or random numbers), takes them apart into x, y and z, which suits it best, answers
+"done" to each line, and keeps what it found the first time as found.npy.
 """
 
 from __future__ import annotations
@@ -59,9 +60,40 @@ def mitsuba(wo: Any, wi: Any, ax: float, ay: float) -> Callable[[], Any]:
     return evaluate
 
 
-def main(package: str, folder: Path, ax: float, ay: float) -> None:
-    wo, wi = np.load(folder / "wo.npy"), np.load(folder / "wi.npy")
-    evaluate, kept = {"jax": jax, "mitsuba": mitsuba}[package](wo, wi, ax, ay), folder / "found.npy"
+def mitsuba_normals(kind: str) -> Callable[..., Callable[[], Any]]:
+    """Its sampler of visible normals; their density, which it would give too, is never asked for, and so not computed."""
+
+    def prepared(wo: Any, u: Any, ax: float, ay: float) -> Callable[[], Any]:
+        import drjit as dr
+        import mitsuba as mi
+
+        mi.set_variant("llvm_ad_mono")
+        distribution = mi.MicrofacetDistribution(getattr(mi.MicrofacetType, kind), ax, ay, True)
+        view, numbers = mi.Vector3f(np.ascontiguousarray(wo.T)), mi.Point2f(np.ascontiguousarray(u.T))
+        dr.eval(view, numbers)
+
+        def draw() -> Any:
+            normals, _ = distribution.sample(view, numbers)
+            dr.eval(normals)
+            dr.sync_thread()
+            return lambda: np.array(normals).T
+
+        return draw
+
+    return prepared
+
+
+TASKS = {
+    ("jax", "brdf"): jax,
+    ("mitsuba", "brdf"): mitsuba,
+    ("mitsuba", "ggx"): mitsuba_normals("GGX"),
+    ("mitsuba", "beckmann"): mitsuba_normals("Beckmann"),
+}
+
+
+def main(package: str, task: str, folder: Path, ax: float, ay: float) -> None:
+    wo, other = np.load(folder / "wo.npy"), np.load(folder / "other.npy")
+    evaluate, kept = TASKS[package, task](wo, other, ax, ay), folder / "found.npy"
     for _ in sys.stdin:
         found = evaluate()
         if not kept.exists():
@@ -70,4 +102,4 @@ def main(package: str, folder: Path, ax: float, ay: float) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], Path(sys.argv[2]), float(sys.argv[3]), float(sys.argv[4]))
+    main(sys.argv[1], sys.argv[2], Path(sys.argv[3]), float(sys.argv[4]), float(sys.argv[5]))

@@ -10,7 +10,7 @@ from rivals_fresnel import METHODS as FRESNEL
 from rivals_masking import METHODS as MASKING
 from rivals_normals import METHODS as NORMALS
 from rivals_sampling import METHODS as SAMPLING
-from yardsticks import FLAGS, GUESTS, words
+from yardsticks import known
 
 SHOWN = {"masking": MASKING, "normals": NORMALS, "brdf": BRDF, "sampling": SAMPLING, "fresnel": FRESNEL}
 
@@ -63,20 +63,23 @@ def call_cost() -> dict:
     )
 
 
-def others() -> dict:
-    """What else evaluates the BRDF: words, nanoseconds a value among many, and what is to be said where there is none."""
-    kept, why = rows("brdf"), read().get("brdf", {}).get("rivals", {})
-    names = [*FLAGS, *GUESTS]
+def others(quantity: str) -> dict:
+    """What else has the quantity: words, nanoseconds a value among many, its error, and what is said where there is none."""
+    kept, why = rows(quantity), read().get(quantity, {}).get("rivals", {})
+    names = list(known(quantity))
     times = [kept[name]["seconds"][-1][1] / kept[name]["sizes"][-1] * 1e9 if name in kept else np.nan for name in names]
     said = ["" if name in kept else why.get(name, "not measured") for name in names]
     versions = [f" {kept[name]['version']}" if "version" in kept.get(name, {}) else "" for name in names]
-    told = [words(name).replace(",", f"{version},", 1) for name, version in zip(names, versions, strict=True)]
-    return {"others_words": np.array(told), "others_ns": np.array(times), "others_said": np.array(said)}
+    told = [said.replace("variant,", f"variant{version},").replace("jax,", f"jax{version},")
+            for said, version in zip(known(quantity).values(), versions, strict=True)]  # fmt: skip
+    errors = [kept.get(name, {}).get("error") or np.nan for name in names]
+    found = {"words": told, "ns": times, "said": said, "error": errors}
+    return {f"{quantity}_others_{part}": np.array(values) for part, values in found.items()}
 
 
 def compute() -> dict:
     data = {name: values for quantity in SHOWN for name, values in panel(quantity).items()}
-    return rounded(data | call_cost() | others(), digits=3)
+    return rounded(data | call_cost() | others("brdf") | others("sampling"), digits=3)
 
 
 if __name__ == "__main__":

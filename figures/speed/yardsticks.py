@@ -1,4 +1,4 @@
-"""What the BRDF is compared with from outside Python: a loop in C++, and guests that are timed if they are installed.
+"""What the BRDF and samples of it are compared with from outside Python: loops in C++, and guests, timed if installed.
 
 A guest (jax, Mitsuba) runs in a process of its own, guest.py, so that its threads and its faults stay there. Both are in the
 optional extra `bench`. One that is absent, or cannot start, has a sentence on record in place of times, and nothing fails.
@@ -15,12 +15,13 @@ import sys
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from method import ALPHA, directions, worst
+from method import ALPHA, directions, uniform, worst
 from microfacet.processors import threads
 from rivals_brdf import brdf_numpy, brdf_separable
+from rivals_sampling import misplaced
 
 CPP = """
 #include <cmath>
@@ -35,15 +36,44 @@ extern "C" void brdf(long begin, long end, const double* o, const double* i, dou
         out[k] = p[2] > 0 && q[2] > 0 && s > 0 ? value : 0;
     }
 }
+extern "C" void sampling(long begin, long end, const double* o, const double* u, double ax, double ay, double* out) {
+    for (long k = begin; k < end; k++) {
+        double x = ax * o[3 * k], y = ay * o[3 * k + 1], z = o[3 * k + 2], turn = 6.283185307179586 * u[2 * k];
+        double length = std::sqrt(x * x + y * y + z * z);
+        x /= length, y /= length, z /= length;
+        double rise = 1 + z, above = (1 - u[2 * k + 1]) * rise;
+        double radius = std::sqrt((above + (x * x + y * y) / rise) * u[2 * k + 1] * rise);
+        double mx = ax * (radius * std::cos(turn) + x), my = ay * (radius * std::sin(turn) + y);
+        double scale = 1 / std::sqrt(mx * mx + my * my + above * above);
+        out[3 * k] = scale * mx, out[3 * k + 1] = scale * my, out[3 * k + 2] = scale * above;
+    }
+}
 """
 FLAGS = {
     "cpp": ("C++ -O3 -march=native, double", ()),
     "cpp_no_errno": ("the same with -fno-math-errno", ("-fno-math-errno",)),
 }
-GUESTS = {  # name on record -> words, package, precision
-    "jax": ("jax, double", "jax", np.float64),
-    "jax_single": ("jax, single", "jax", np.float32),
-    "mitsuba": ("Mitsuba's llvm variant, single, masking and shadowing independent", "mitsuba", np.float32),
+
+
+class Entry(NamedTuple):
+    """A guest: words, the package it is in, the precision of its arrays, and what it does there."""
+
+    words: str
+    package: str
+    real: type
+    task: str
+
+
+GUESTS = {  # quantity -> name on record -> guest
+    "brdf": {
+        "jax": Entry("jax, double", "jax", np.float64, "brdf"),
+        "jax_single": Entry("jax, single", "jax", np.float32, "brdf"),
+        "mitsuba": Entry("Mitsuba's llvm variant, single, masking and shadowing independent", "mitsuba", np.float32, "brdf"),
+    },
+    "sampling": {
+        "mitsuba_ggx": Entry("GGX, Mitsuba's llvm variant, single", "mitsuba", np.float32, "ggx"),
+        "mitsuba_beckmann": Entry("Beckmann, Mitsuba's llvm variant, single", "mitsuba", np.float32, "beckmann"),
+    },
 }
 SIZES = (10**6, 4 * 10**6)  # of guests: what starts a call from another process must not count
 START = 120  # seconds after which a guest that has said nothing is sent away
@@ -54,18 +84,26 @@ Job = tuple[str, int, Callable[[], Any]]
 # --- C++ --------------------------------------------------------------------------------------------------------------------
 
 
-def compiled(folder: str, name: str, flags: tuple[str, ...]) -> Any:
-    source, library = Path(folder) / "brdf.cpp", Path(folder) / f"{name}.so"
+def compiled(folder: str, name: str, flags: tuple[str, ...], quantity: str) -> Any:
+    source, library = Path(folder) / "loops.cpp", Path(folder) / f"{name}.so"
     source.write_text(CPP)
     subprocess.run(["g++", "-O3", "-march=native", "-shared", "-fPIC", *flags, source, "-o", library], check=True)
-    return ctypes.CDLL(str(library)).brdf
+    return getattr(ctypes.CDLL(str(library)), quantity)
 
 
-def in_cpp(function: Any, size: int) -> Callable[[], Any]:
+def arguments(quantity: str, size: int, real: type) -> tuple[np.ndarray, np.ndarray]:
+    """Views, and lights or random numbers: those that the library gets."""
+    if quantity == "brdf":
+        return directions(size, 1, real), directions(size, 2, real)
+    return directions(size, 5, real), uniform(size, 6, real)
+
+
+def in_cpp(function: Any, quantity: str, size: int) -> Callable[[], Any]:
     """A loop in C++ over the same arrays, in as many threads as the library uses."""
     count = threads()
-    pool, wo, wi, out = ThreadPoolExecutor(count), directions(size, 1), directions(size, 2), np.empty(size)
-    arrays = [ctypes.c_void_p(a.ctypes.data) for a in (wo, wi)]
+    wo, other = arguments(quantity, size, np.float64)
+    pool, out = ThreadPoolExecutor(count), np.empty(size if quantity == "brdf" else (size, 3))
+    arrays = [ctypes.c_void_p(a.ctypes.data) for a in (wo, other)]
     scales = [ctypes.c_double(value) for value in ALPHA]
     ends = [(k * size // count, (k + 1) * size // count) for k in range(count)] if size > 32768 else [(0, size)]
 
@@ -75,17 +113,17 @@ def in_cpp(function: Any, size: int) -> Callable[[], Any]:
     def call() -> Any:
         if len(ends) == 1:
             return part(*ends[0])
-        return [done.result() for done in [pool.submit(part, *pair) for pair in ends]], wo, wi
+        return [done.result() for done in [pool.submit(part, *pair) for pair in ends]], wo, other
 
     return call
 
 
-def cpp_jobs(folder: str, sizes: tuple[int, ...]) -> list[Job]:
+def cpp_jobs(folder: str, quantity: str, sizes: tuple[int, ...]) -> list[Job]:
     """None without a compiler."""
     if not shutil.which("g++"):
         return []
-    loops = {name: compiled(folder, name, flags) for name, (_, flags) in FLAGS.items()}
-    return [(name, size, in_cpp(loop, size)) for name, loop in loops.items() for size in sizes]
+    loops = {name: compiled(folder, name, flags, quantity) for name, (_, flags) in FLAGS.items()}
+    return [(name, size, in_cpp(loop, quantity, size)) for name, loop in loops.items() for size in sizes]
 
 
 # --- guests -----------------------------------------------------------------------------------------------------------------
@@ -98,15 +136,16 @@ class Refused(Exception):
 class Guest:
     """A process that evaluates arrays kept in a folder whenever it is told to."""
 
-    def __init__(self, name: str, folder: str, size: int) -> None:
-        _, self.package, real = GUESTS[name]
-        if importlib.util.find_spec(self.package) is None:
+    def __init__(self, quantity: str, name: str, folder: str, size: int) -> None:
+        self.entry = GUESTS[quantity][name]
+        if importlib.util.find_spec(self.entry.package) is None:
             raise Refused("not installed")
         here, self.files = Path(__file__).parent, Path(folder) / f"{name}_{size}"
         self.files.mkdir()
-        for file, seed in (("wo", 1), ("wi", 2)):
-            np.save(self.files / f"{file}.npy", directions(size, seed, real))
-        command = [sys.executable, str(here / "guest.py"), self.package, str(self.files), *map(str, ALPHA)]
+        for file, array in zip(("wo", "other"), arguments(quantity, size, self.entry.real), strict=True):
+            np.save(self.files / f"{file}.npy", array)
+        what = [self.entry.package, self.entry.task, str(self.files), *map(str, ALPHA)]
+        command = [sys.executable, str(here / "guest.py"), *what]
         pipe = subprocess.PIPE
         with (self.files / "said").open("w") as said:
             self.process = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=said, text=True)
@@ -129,22 +168,29 @@ class Guest:
             raise Refused(f"installed, but it ended with status {code}: {errors[-1][:100]}")
 
     def error(self) -> float:
-        """Largest relative error of what it found, over the first few values."""
-        arrays = [np.load(self.files / f"{file}.npy")[:2000] for file in ("wo", "wi", "found")]
-        wo, wi, found = (array.astype(np.longdouble) for array in arrays)
-        exact = brdf_separable if self.package == "mitsuba" else brdf_numpy
-        return worst(found, exact(wo, wi))
+        """Largest error of what it found, over the first few values: relative, or of Beckmann's normals in probability.
+
+        NaN for normals of GGX: there is more than one way to send numbers to them.
+        """
+        arrays = [np.load(self.files / f"{file}.npy")[:2000] for file in ("wo", "other", "found")]
+        wo, other, found = (array.astype(np.longdouble) for array in arrays)
+        if self.entry.task == "ggx":
+            return float("nan")
+        if self.entry.task == "beckmann":
+            return misplaced(*(array.astype(float) for array in (wo, other, found)))
+        exact = brdf_separable if self.entry.package == "mitsuba" else brdf_numpy
+        return worst(found, exact(wo, other))
 
 
-def guest_jobs(folder: str, largest: int) -> tuple[list[Job], dict[str, str], dict[str, float]]:
+def guest_jobs(quantity: str, folder: str, largest: int) -> tuple[list[Job], dict[str, str], dict[str, float]]:
     """The calls of the guests that are there, why the others are not, and the errors of those that are."""
     jobs: list[Job] = []
     refused: dict[str, str] = {}
     errors: dict[str, float] = {}
-    for name in GUESTS:
+    for name in GUESTS.get(quantity, {}):
         try:
             for size in sorted({min(size, largest) for size in SIZES}):
-                guest = Guest(name, folder, size)
+                guest = Guest(quantity, name, folder, size)
                 jobs.append((name, size, guest.call))
                 errors[name] = float(f"{guest.error():.2g}")
         except Refused as why:
@@ -152,9 +198,12 @@ def guest_jobs(folder: str, largest: int) -> tuple[list[Job], dict[str, str], di
     return jobs, refused, errors
 
 
-def words(name: str) -> str:
-    return FLAGS[name][0] if name in FLAGS else GUESTS[name][0]
+def known(quantity: str) -> dict[str, str]:
+    """Everything that a quantity may be compared with: name on record -> words."""
+    return {name: words for name, (words, _) in FLAGS.items()} | {
+        name: guest.words for name, guest in GUESTS.get(quantity, {}).items()
+    }
 
 
-def version(name: str) -> str:
-    return importlib.metadata.version(GUESTS[name][1])
+def version(quantity: str, name: str) -> str:
+    return importlib.metadata.version(GUESTS[quantity][name].package)

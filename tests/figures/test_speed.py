@@ -161,15 +161,16 @@ def test_times_of_unmeasured_methods_are_unknown(tmp_path: Path, monkeypatch: py
 def test_a_guest_that_is_absent_is_named_and_nothing_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(yardsticks.importlib.util, "find_spec", lambda name: None)
     found = run(monkeypatch, tmp_path / "benchmarks.json", "brdf")
-    assert found["brdf"]["rivals"] == dict.fromkeys(yardsticks.GUESTS, "not installed")
+    assert found["brdf"]["rivals"] == dict.fromkeys(yardsticks.GUESTS["brdf"], "not installed")
     assert set(rivals.QUANTITIES["brdf"]) <= set(found["brdf"]["rows"])
 
 
 def test_a_guest_that_cannot_start_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(yardsticks, "GUESTS", {"other": ("another program", "json", np.float64)})
-    jobs, refused, _ = yardsticks.guest_jobs(str(tmp_path), 100)
+    entry = yardsticks.Entry("another program", "json", np.float64, "brdf")
+    monkeypatch.setattr(yardsticks, "GUESTS", {"brdf": {"other": entry}})
+    jobs, refused, _ = yardsticks.guest_jobs("brdf", str(tmp_path), 100)
     assert jobs == []
-    assert refused["other"].startswith("installed, but it ended with status 1: KeyError: 'json'")
+    assert refused["other"].startswith("installed, but it ended with status 1: KeyError: ('json', 'brdf')")
 
 
 def test_calls_that_take_long_are_repeated_less() -> None:

@@ -1,24 +1,29 @@
 """Rays per second and false verdicts, here and in Embree on the same triangles, in one run. Needs embreex; not a test.
 
-    python tests/surface/against_embree.py [nodes per side ...]
+    python tests/surface/against_embree.py [nodes per side ...]             one thread each
+    MICROFACET_THREADS=2 python tests/surface/against_embree.py             two
 
-One thread each (embreex has no more); the two take turns, and the best of some runs counts, in processor time: use the
-ratios. "Sorted" rays come tile by tile. False verdicts: facets that are seen but do not see back.
+The two take turns, and the best of some runs counts: use the ratios. embreex has one thread; for more, as many processes share
+its rays. "Sorted" rays come tile by tile. False verdicts: facets that are seen but do not see back.
 """
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import sys
 import time
 from collections.abc import Callable
+from multiprocessing.connection import Connection
 
-os.environ.update(MICROFACET_THREADS="1", OPENBLAS_NUM_THREADS="1")
+os.environ.setdefault("MICROFACET_THREADS", "1")
+os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import numpy as np
 from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 from microfacet.directions import spherical
+from microfacet.processors import threads
 from microfacet.surface.gaussian import GaussianField
 from microfacet.surface.trace import HeightField
 
@@ -39,14 +44,46 @@ def embree(field: HeightField) -> EmbreeScene:
     return scene
 
 
+class Sharers:
+    """So many processes that trace a share of the rays each, when told to. They are made when all is in memory."""
+
+    def __init__(self, scene: EmbreeScene, origins: np.ndarray, directions: np.ndarray) -> None:
+        fork = multiprocessing.get_context("fork")
+        self.ends: list[Connection] = []
+        self.processes = []
+        for o, d in zip(np.array_split(origins, threads()), np.array_split(directions, threads()), strict=True):
+            here, there = fork.Pipe()
+            process = fork.Process(target=_answer, args=(there, scene, o, d), daemon=True)
+            process.start()
+            self.ends.append(here)
+            self.processes.append(process)
+
+    def __call__(self) -> None:
+        for end in self.ends:
+            end.send(True)
+        for end in self.ends:
+            end.recv()
+
+    def close(self) -> None:
+        for end, process in zip(self.ends, self.processes, strict=True):
+            end.send(False)
+            process.join()
+
+
+def _answer(end: Connection, scene: EmbreeScene, origins: np.ndarray, directions: np.ndarray) -> None:
+    while end.recv():
+        scene.run(origins, directions)
+        end.send(None)
+
+
 def best(works: list[Callable[[], object]]) -> list[float]:
     """Million rays per second of each of some works, which take turns."""
     seconds = [np.inf] * len(works)
     for _ in range(RUNS):
         for k, work in enumerate(works):
-            start = time.process_time()
+            start = time.perf_counter()
             work()
-            seconds[k] = min(seconds[k], time.process_time() - start)
+            seconds[k] = min(seconds[k], time.perf_counter() - start)
     return [RAYS / s / 1e6 for s in seconds]
 
 
@@ -68,7 +105,9 @@ def main(size: int) -> None:
         mirrored = d - 2 * np.sum(d * wm, axis=-1, keepdims=True) * wm
         for kind, a, b, own in (("primary", o, d, None), ("reflected", p, mirrored, hits.facet), ("shadow", p, -d, hits.facet)):
             a4, b4 = a.astype(np.float32), b.astype(np.float32)
-            ours, theirs = best([lambda a=a, b=b, own=own: field.trace(a, b, own), lambda a4=a4, b4=b4: scene.run(a4, b4)])
+            sharers = Sharers(scene, a4, b4)
+            ours, theirs = best([lambda a=a, b=b, own=own: field.trace(a, b, own), sharers])
+            sharers.close()
             print(f"  {name:9}{kind:10} {ours:6.2f} here {theirs:6.2f} Embree   ratio {ours / theirs:.1f}", flush=True)
     ours = np.mean(~field.escapes(p, -d, hits.facet))
     print(f"  false verdicts {ours:.2g} here {np.mean(scene.run(a4, b4) >= 0):.2g} Embree, without an offset", flush=True)
