@@ -167,32 +167,33 @@ class Guest:
             errors = [line for line in lines if "error" in line.lower()] or lines or ["it did not say why"]
             raise Refused(f"installed, but it ended with status {code}: {errors[-1][:100]}")
 
-    def error(self) -> float:
+    def error(self) -> float | None:
         """Largest error of what it found, over the first few values: relative, or of Beckmann's normals in probability.
 
-        NaN for normals of GGX: there is more than one way to send numbers to them.
+        None for normals of GGX: there is more than one way to send numbers to them.
         """
         arrays = [np.load(self.files / f"{file}.npy")[:2000] for file in ("wo", "other", "found")]
         wo, other, found = (array.astype(np.longdouble) for array in arrays)
         if self.entry.task == "ggx":
-            return float("nan")
+            return None
         if self.entry.task == "beckmann":
             return misplaced(*(array.astype(float) for array in (wo, other, found)))
         exact = brdf_separable if self.entry.package == "mitsuba" else brdf_numpy
         return worst(found, exact(wo, other))
 
 
-def guest_jobs(quantity: str, folder: str, largest: int) -> tuple[list[Job], dict[str, str], dict[str, float]]:
+def guest_jobs(quantity: str, folder: str, largest: int) -> tuple[list[Job], dict[str, str], dict[str, float | None]]:
     """The calls of the guests that are there, why the others are not, and the errors of those that are."""
     jobs: list[Job] = []
     refused: dict[str, str] = {}
-    errors: dict[str, float] = {}
+    errors: dict[str, float | None] = {}
     for name in GUESTS.get(quantity, {}):
         try:
             for size in sorted({min(size, largest) for size in SIZES}):
                 guest = Guest(quantity, name, folder, size)
                 jobs.append((name, size, guest.call))
-                errors[name] = float(f"{guest.error():.2g}")
+                error = guest.error()
+                errors[name] = None if error is None else float(f"{error:.2g}")
         except Refused as why:
             refused[name] = str(why)
     return jobs, refused, errors
