@@ -84,7 +84,7 @@ rule ledger:
         checks=expand("build/checks/{group}.json", group=build.groups()),
         measured="build/measured.json",
     output:
-        "build/ledger.json",
+        report("build/ledger.json", category="Checks"),
     params:
         told=build.digest(inventory.statements()),
     log:
