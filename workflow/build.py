@@ -62,7 +62,7 @@ def groups() -> dict[str, list[str]]:
     """
     found: dict[str, list[str]] = {}
     for key in inventory.statements():
-        found.setdefault(key.partition(".")[0], []).append(key)
+        found.setdefault(inventory.stage(key), []).append(key)
     return found
 
 

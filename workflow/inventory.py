@@ -66,6 +66,11 @@ def statements() -> dict[str, dict[str, Any]]:
     return dict(kept["statements"])
 
 
+def stage(key: str) -> str:
+    """What statements are checked together with: the first word of a key."""
+    return key.partition(".")[0]
+
+
 def digest_of_library() -> str:
     digest = hashlib.sha256(sys.version.encode())
     for path in [*sorted(closure.whole_package()), Path("requirements.lock")]:

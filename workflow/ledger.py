@@ -34,7 +34,7 @@ def gather(folder: Path, measured: Path, out: Path) -> None:
     if unknown := sorted(trials.keys() - inventory.statements().keys()):
         inventory.stop(f"{measured} measures what is not stated: {', '.join(unknown)}.")
     for key in inventory.statements():
-        group = key.rpartition(".")[0]
+        group = inventory.stage(key)
         found |= {} if key in found else record_of(folder / f"{group}.json")
     entries = []
     for key, statement in inventory.statements().items():
