@@ -1,6 +1,6 @@
-"""What a chapter's cells may call. Each helper returns Markdown: it shows in a notebook too.
+"""What a chapter's cells may call. Each helper but `data` and `sci` returns Markdown: it shows in a notebook too.
 
-from cells import data, equation, figure, ledger_table, models_of_light, table, verdicts
+from cells import data, equation, figure, ledger_table, models_of_light, sci, table, verdicts
 """
 
 from __future__ import annotations
@@ -83,14 +83,22 @@ def cell_text(cell: object) -> str:
     return text
 
 
+def sci(number: float) -> str:
+    """A number by its order of magnitude, with one digit, as mathematics."""
+    factor, power = f"{float(number):.0e}".split("e")
+    if int(power) == 0:
+        return factor
+    return f"$10^{{{int(power)}}}$" if factor == "1" else rf"${factor} \cdot 10^{{{int(power)}}}$"
+
+
 def guess(column: list[object]) -> str:
     return "r" if column and all(isinstance(cell, int | float) for cell in column) else "l"
 
 
 def models_of_light(*, caption: str, label: str) -> Markdown:
     """Every figure with light in it that a chapter shows: which model its script says it used, and why that was enough."""
-    shown = {name for chapter in inventory.chapters().values() for name in chapter.named("figure")}
-    rows = [(name, *one.model) for name, one in inventory.figures().items() if one.model and name in shown]
+    shown = dict.fromkeys(name for chapter in inventory.chapters().values() for name in chapter.named("figure"))
+    rows = [(name, *one.model) for name in shown if (one := inventory.figures()[name]).model]
     lines = [f"| [@fig:{name}] | {cell_text(which)} | {cell_text(why)} |" for name, which, why in rows]
     head = [
         "| Figure | Model | Enough, because |",

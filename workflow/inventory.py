@@ -228,7 +228,7 @@ class Chapter:
         return self.stem.partition("_")[0]
 
     def named(self, helper: str) -> list[str]:
-        return sorted(set(self.calls.get(helper, [])))
+        return list(dict.fromkeys(self.calls.get(helper, [])))
 
 
 @cache

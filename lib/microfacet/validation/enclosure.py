@@ -183,11 +183,19 @@ def _enclosed(residual: Callable[[Slopes, Ball, Ball], Ball], slopes: Slopes) ->
     return balls.at(lambda **point: residual(slopes, point[str(slopes.shape)], point["degrees"]), slopes.points)
 
 
-share = raw(
-    "visible_share",
-    r"\frac{1}{\cos \theta_o} \int_{\Omega} G_1(\omega_o, \omega_m)"
-    r" \left\langle \omega_o, \omega_m \right\rangle D(\omega_m) \, d\omega_m",
-)
+def share(masking: str, over: str) -> sp.Symbol:
+    """What is seen over what there is to see, for one masking function over one distribution, named by its last word."""
+    integrand = (
+        rf"G_1^{{\text{{{masking}}}}}(\omega_o, \omega_m) \left\langle \omega_o, \omega_m \right\rangle"
+        rf" D_{{\text{{{over.split()[-1]}}}}}(\omega_m)"
+    )
+    return raw(f"visible_share_{masking}_{over}", rf"\frac{{1}}{{\cos \theta_o}} \int_{{\Omega}} {integrand} \, d\omega_m")
+
+
+def missing(masking: str, over: str) -> sp.Expr:
+    """By how much that is off."""
+    with sp.evaluate(False):
+        return share(masking, over) - 1
 
 
 def _turned(P2: sp.Expr) -> sp.Expr:
@@ -217,7 +225,7 @@ def _smith(key: str, over: str, slopes: Slopes) -> Equation:
     return Equation(
         key=key,
         title=f"Smith over {over}: what is seen is what there is to see",
-        symbol=share,
+        symbol=share("Smith", over),
         means=_turned(slopes.printed),
         equals=sp.Integer(1),
         where={blinn_phong.K: _NORM, Lambda_o: slopes.hidden},
@@ -233,7 +241,7 @@ def _cavity(key: str, over: str, slopes: Slopes) -> Equation:
     return Equation(
         key=key,
         title=f"V-cavities over {over}: what is seen is what there is to see",
-        symbol=share,
+        symbol=share("V", over),
         means=_free_and_cut(slopes.printed),
         equals=sp.Integer(1),
         where={blinn_phong.K: _NORM},
@@ -358,7 +366,6 @@ def _sign_steps(bracket: sp.Expr, largest: sp.Expr) -> list[Any]:
 
 
 with sp.evaluate(False):
-    missing = share - 1
     _IMPLICIT = (1 - mu_o) * (alpha**2 * (1 + mu_o) - 4) / (2 * (2 - mu_o + root))
     _SCHLICK = (
         (1 - mu_o)
@@ -387,7 +394,7 @@ def _closed_enclosed(masking: sp.Expr, stated: sp.Expr, alphas: tuple[float, ...
 implicit_ggx = Equation(
     key="validation.table2.implicit_ggx",
     title="by how much Implicit masking over GGX misses what there is to see",
-    symbol=missing,
+    symbol=missing("implicit", "GGX"),
     equals=_IMPLICIT,
     proof=lambda: [*_closed_steps(mu_o, _IMPLICIT), *_sign_steps(alpha**2 * (1 + mu_o) - 4, IMPLICIT_UP_TO)],
     proved_by="sympy: Lambda put in, then modulo the square of the root",
@@ -399,7 +406,7 @@ implicit_ggx = Equation(
 schlick_ggx = Equation(
     key="validation.table2.schlick_smith_ggx",
     title="by how much Schlick-Smith over GGX misses what there is to see",
-    symbol=missing,
+    symbol=missing("Schlick", "GGX"),
     equals=_SCHLICK,
     proof=lambda: [
         *_closed_steps(mu_o / (mu_o + k * (1 - mu_o)), _SCHLICK),
@@ -416,7 +423,7 @@ schlick_ggx = Equation(
 halved_ggx = Equation(
     key="validation.table2.schlick_smith_halved_ggx",
     title="by how much Schlick-Smith with k = alpha/2 over GGX misses what there is to see",
-    symbol=missing,
+    symbol=missing("Schlick", "GGX"),
     equals=_HALVED,
     proof=lambda: [*_closed_steps((mu_o / (mu_o + k * (1 - mu_o))).subs(k, alpha / 2), _HALVED), _HALVED.doit().subs(alpha, 1)],
     proved_by="sympy: Lambda put in, then modulo the square of the root",
@@ -473,7 +480,7 @@ BOX = {"alpha": (SMOOTHEST, ROUGHEST), "degrees": (STEEPEST, FLATTEST)}
 implicit_beckmann = Equation(
     key="validation.table2.implicit_beckmann",
     title="Implicit masking over Beckmann shows too little from every side",
-    symbol=share,
+    symbol=share("implicit", "Beckmann"),
     equals=sp.Integer(1),
     relation="<",
     proof=_box_steps,
@@ -486,7 +493,7 @@ implicit_beckmann = Equation(
 schlick_beckmann = Equation(
     key="validation.table2.schlick_smith_beckmann",
     title="Schlick-Smith over Beckmann shows too little from every side",
-    symbol=share,
+    symbol=share("Schlick", "Beckmann"),
     equals=sp.Integer(1),
     relation="<",
     proof=_box_steps,
@@ -557,7 +564,7 @@ def _cross(key: str, over: str, seen: Callable[[Ball, Ball], Ball], relation: st
     return Equation(
         key=key,
         title=f"Kelemen over {over} shows too {'much from above' if relation == '>' else 'little at grazing angles'}",
-        symbol=share,
+        symbol=share("Kelemen", over),
         equals=sp.Integer(1),
         relation=relation,
         enclosed=enclosed,
