@@ -15,7 +15,7 @@ from microfacet.brdf.specular import Microfacet
 from microfacet.directions import as_vectors, spherical
 from microfacet.geometry.slopes import Distribution
 from microfacet.material.reflection import reflected
-from microfacet.visibility.masking import Masking, nothing, visible_density
+from microfacet.visibility.masking import Masking, visible_density
 from microfacet.visibility.quadrature import seen_batch
 
 TOLERANCE = 1e-9  # what a relative residual may be and still count as rounding and quadrature
@@ -116,16 +116,6 @@ def _above(wo: Any) -> np.ndarray:
 
 
 @cache
-def _upright(masked: Callable[..., float], normals: Callable[..., float]) -> Callable[..., float]:
-    """What the projected area sums up: seen from straight above, the normals with wo.wm > 0 are all there are."""
-
-    def upright(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
-        return mz * normals(mx, my, mz, p[0])
-
-    return upright
-
-
-@cache
 def _seen(masked: Callable[..., float], normals: Callable[..., float]) -> Callable[..., float]:
     """What the visible area sums up, over the cosine."""
 
@@ -159,34 +149,46 @@ def _mirrored(masked: Callable[..., float], normals: Callable[..., float]) -> Ca
     return mirrored
 
 
-INTEGRANDS = {
-    "projected_area": _upright,
-    "visible_area": _seen,
-    "visible_norm": visible_density,
-    "weak_furnace": _mirrored,
-}
+INTEGRALS = ("projected_area", "visible_area", "visible_norm", "weak_furnace")
 ABOVE = np.array([0.0, 0.0, 1.0])
+
+
+@cache
+def _summed(masked: Callable[..., float], normals: Callable[..., float]) -> Callable[..., float]:
+    """What any of `INTEGRALS` sums up; which of them, the last parameter tells, so that one kernel is compiled for all."""
+    seen, visible, mirrored = _seen(masked, normals), visible_density(masked, normals), _mirrored(masked, normals)
+
+    def summed(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
+        if p[2][0] == 0.0:
+            return mz * normals(mx, my, mz, p[0])
+        if p[2][0] == 1.0:
+            return seen(view, ox, oy, oz, mx, my, mz, p)
+        if p[2][0] == 2.0:
+            return visible(view, ox, oy, oz, mx, my, mz, p)
+        return mirrored(view, ox, oy, oz, mx, my, mz, p)
+
+    return summed
 
 
 def residual(model: Masking, equation: str, wo: Any) -> tuple[np.ndarray, np.ndarray]:
     """The relative residuals of one of the four validation equations at view directions (n, 3), and their errors.
 
-    equation: a key of `INTEGRANDS`; any other is a ValueError.
+    equation: one of `INTEGRALS`; any other is a ValueError. The projected area, which no view changes, is taken from above.
     """
-    if equation not in INTEGRANDS:
-        raise ValueError(f"equation must be one of {', '.join(INTEGRANDS)}, got {equation!r}")
+    if equation not in INTEGRALS:
+        raise ValueError(f"equation must be one of {', '.join(INTEGRALS)}, got {equation!r}")
     views, normals = _above(wo), type(model.ndf).kernel
     level = equation == "projected_area"
-    integrand = INTEGRANDS[equation](nothing if level else model.masked_kernel, normals)
-    rule = seen_batch(nothing if level else model.view_kernel, integrand, normals)
-    found = rule([ABOVE if level else views], (model.parameters, model.ndf.scale))
+    rule = seen_batch(model.view_kernel, _summed(model.masked_kernel, normals), normals)
+    which = (float(INTEGRALS.index(equation)),)
+    found = rule([ABOVE if level else views], ((*model.parameters, which), model.ndf.scale))
     values, bounds = found[..., 0] - 1, np.abs(found[..., 0] - found[..., 1]) + ROUNDING
     return (np.full(len(views), values), np.full(len(views), bounds)) if level else (values, bounds)
 
 
 def residuals(model: Masking, wo: Any) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """`residual` of each of the four, by name."""
-    return {equation: residual(model, equation, wo) for equation in INTEGRANDS}
+    return {equation: residual(model, equation, wo) for equation in INTEGRALS}
 
 
 def _integral_verdict(name: str, values: np.ndarray, bounds: np.ndarray, views: np.ndarray, tolerance: float) -> Verdict:
