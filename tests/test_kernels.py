@@ -228,6 +228,7 @@ def run(code: str, **environment: str) -> Any:
     return json.loads(done.stdout)
 
 
+@pytest.mark.slow
 def test_a_cached_kernel_compiles_nothing(tmp_path: Path) -> None:
     """Another process, and no compilation in it: what a figure that is redrawn relies on."""
     library = str(Path(__file__).parent.parent / "lib")
@@ -252,6 +253,7 @@ print(json.dumps([float(values[name]()) for name in sys.argv[1:]]))
 """
 
 
+@pytest.mark.slow
 def test_a_kernel_that_shares_functions_is_found_alone(tmp_path: Path) -> None:
     """Compiled after another one, its loop refers to that one's module, which a later process has not loaded."""
     environment = os.environ | {"MICROFACET_CACHE": str(tmp_path), "PYTHONPATH": str(Path(__file__).parent.parent / "lib")}

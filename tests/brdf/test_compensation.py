@@ -57,6 +57,7 @@ def test_only_the_lobe_lets_light_and_viewer_change_places() -> None:
         assert np.allclose(brdf.evaluate(wo, wi), brdf.evaluate(wi, wo), rtol=1e-9) == allowed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", FORMS)
 def test_metals_gain_less_than_mirrors_and_stay_below_one(form: str) -> None:
     """And the albedo is the integral of the lobe; facets that reflect at grazing angles only gain next to nothing."""
@@ -69,6 +70,7 @@ def test_metals_gain_less_than_mirrors_and_stay_below_one(form: str) -> None:
     np.testing.assert_allclose(mf.Compensated(black, form).albedo(UP), black.albedo(UP), atol=2e-3)
 
 
+@pytest.mark.slow
 def test_nearer_to_the_walk_than_one_bounce() -> None:
     model = mf.Smith(mf.GGX(0.5))
     metal = mf.Microfacet(model, mf.Conductor(0.18, 3.4))

@@ -79,6 +79,7 @@ def test_what_escapes_and_what_is_shadowed_is_everything() -> None:
     assert abs(drawn - data["shares"][1]) < 3 / len(data["length"])
 
 
+@pytest.mark.slow
 def test_pipeline_draws_sums_that_hold() -> None:
     data = compute("overview/pipeline")
     assert np.all(data["holds"])

@@ -36,6 +36,7 @@ def test_methods_of_a_quantity_compute_the_same(quantity: str) -> None:
         assert method.error(100) < FITS.get(name, EXACT[quantity] if "single" in name else 1e-13), name
 
 
+@pytest.mark.slow
 def test_rules_converge() -> None:
     for name, last in {"midpoint": 1e-4, "gauss_angles": 1e-8, "gauss_slopes": 1e-13, "tanh_sinh": 1e-13}.items():
         method = rivals_integral.METHODS[name]
