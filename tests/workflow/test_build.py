@@ -55,7 +55,7 @@ def test_an_edited_caption_redoes_its_chapter_too(built: Checkout) -> None:
 def test_an_edited_kernel_redoes_its_own_check_only(built: Checkout) -> None:
     change_kernel(built, "a * 1")
     gate = {
-        "check visibility: visibility.G1 visibility.Lambda",
+        "check visibility: 2 statements",
         "ledger build/ledger.json",
         "gate no statement failed or got worse",
     }
