@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import sys
 import zipfile
@@ -11,27 +12,41 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+SEAL = "seal"  # the name under which a file keeps a digest of all else in it
+
+
+def seal(arrays: dict[str, NDArray[Any]]) -> str:
+    """A digest of names, kinds, shapes and numbers."""
+    digest = hashlib.sha256()
+    for name, values in sorted(arrays.items()):
+        digest.update(f"{name} {values.dtype.str} {values.shape} ".encode() + np.ascontiguousarray(values).tobytes())
+    return digest.hexdigest()
+
 
 def store(path: str, **arrays: ArrayLike) -> None:
     """Write ``arrays`` to the .npz file ``path``, making its folder; an interrupted run leaves no torn file."""
+    given = {name: np.asarray(values) for name, values in arrays.items()}
     target = Path(path)
     target.parent.mkdir(parents=True, exist_ok=True)
     part = target.with_name(target.name + ".part")
     with part.open("wb") as file:
-        np.savez(file, allow_pickle=False, **{name: np.asarray(values) for name, values in arrays.items()})
+        np.savez(file, allow_pickle=False, **given, **{SEAL: np.array(seal(given))})
     os.replace(part, target)
 
 
 def load(path: str, made_in: str = "build/data") -> dict[str, NDArray[Any]]:
-    """Read the arrays that ``store`` wrote; a missing or torn file ends the program with one sentence."""
+    """Read the arrays that ``store`` wrote; a file missing, torn, or changed since ends the program with one sentence."""
     remedy = f"run `snakemake {made_in}/{Path(path).stem}.npz` to make it"
     try:
         with np.load(path, allow_pickle=False) as file:
-            return {name: file[name] for name in file.files}
+            arrays = {name: file[name] for name in file.files}
     except FileNotFoundError:
         sys.exit(f"The data file {path} is missing: {remedy}.")
     except (OSError, EOFError, ValueError, zipfile.BadZipFile):
         sys.exit(f"The data file {path} is torn or not a data file: delete it and {remedy}.")
+    if SEAL in arrays and str(arrays.pop(SEAL)) != seal(arrays):
+        sys.exit(f"The data file {path} has been changed since it was made: delete it and {remedy}.")
+    return arrays
 
 
 def rounded(arrays: dict[str, ArrayLike], digits: int = 7) -> dict[str, NDArray[Any]]:
