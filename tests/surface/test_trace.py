@@ -255,11 +255,23 @@ def test_the_length_of_a_direction_only_scales_the_distance() -> None:
     np.testing.assert_allclose(one.distance, other.distance * 2.0**40, rtol=1e-12)
 
 
-def test_a_horizontal_ray_above_or_in_a_valley() -> None:
+@pytest.mark.parametrize("level", [0.0, -0.0])
+def test_a_horizontal_ray_above_or_in_a_valley(level: float) -> None:
     field = HeightField(np.tile(np.cos(2 * np.pi * np.arange(16) / 16), (16, 1)))
-    assert field.trace([0, 8, 1.5], [1, 0, 0]).facet == [ESCAPED]
-    assert field.trace([0, 8, 0], [1, 0, 0]).facet == [LOST]
-    assert field.trace([0.5, 8, 0], [0, 1, 0]).distance == pytest.approx(4.0)
+    assert field.trace([0, 8, 1.5], [1, 0, level]).facet == [ESCAPED]
+    assert field.trace([0, 8, 0], [1, 0, level]).facet == [LOST]
+    assert field.trace([0.5, 8, 0], [0, 1, level]).distance == pytest.approx(4.0)
+
+
+def test_rays_that_start_at_the_highest_point() -> None:
+    field = smooth(64)
+    i, j = np.unravel_index(np.argmax(field.heights), (64, 64))
+    top = [i, j, field.highest]
+    assert field.trace(top, [0.3, 0.2, 0.1]).facet == [ESCAPED]
+    assert field.trace(top, [0, 0, -1]).distance == pytest.approx(0, abs=1e-12)
+    flat = HeightField(np.zeros((8, 8)))
+    assert flat.trace([4.5, 4.25, 0], [1, 0, 1e-9], None).facet == [ESCAPED]
+    assert flat.trace([4.5, 4.25, 0], [1, 0, 1e-9], [flat.locate(4.5, 4.25)[0]]).facet == [ESCAPED]
 
 
 # --- independence -----------------------------------------------------------------------------------------------------
@@ -295,11 +307,14 @@ def test_no_node_is_above_the_plane_of_its_block() -> None:
     z = np.pad(field.heights.astype(float), ((0, 1), (0, 1)), mode="wrap")
     for shift in range(trace.BASE, field.top + 1, trace.STEP):
         blocks, side = 128 >> shift, 1 << shift
-        rows = field.planes.reshape(-1, 4)[blocks**2 : 2 * blocks**2].astype(float)
+        words = field.planes.words[blocks**2 : 2 * blocks**2]
+        heights = field.planes.height * words
+        slopes = field.planes.slope * np.stack([words << 32, words << 48], axis=-1)
         place = np.arange(side + 1) - side / 2
-        for block, (a, b, c, _) in enumerate(rows):
+        for block, (a, (b, c)) in enumerate(zip(heights, slopes, strict=True)):
             i, j = (block // blocks) * side, (block % blocks) * side
-            assert (z[i : i + side + 1, j : j + side + 1] < a + b * place[:, None] + c * place).all()
+            gap = a + b * place[:, None] + c * place - z[i : i + side + 1, j : j + side + 1]
+            assert 0 < gap.min() < 1e-3
 
 
 # --- what a facet is ----------------------------------------------------------------------------------------------------

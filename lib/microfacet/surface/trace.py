@@ -31,7 +31,7 @@ from typing import Any, NamedTuple, NoReturn, cast
 
 import numba
 import numpy as np
-from numba.core import types
+from numba.core import cgutils, types
 from numba.extending import intrinsic
 from numpy.typing import ArrayLike, NDArray
 
@@ -48,7 +48,7 @@ REACH = 2.0**24
 
 BASE, STEP = 2, 2  # blocks have 2^BASE, 2^(BASE + STEP), ... cells a side
 START = BASE + STEP  # where rays from above begin to look
-CELLS, HIT, GONE, IDLE = BASE - STEP, -8, -9, -10  # what a lane may do instead of passing blocks
+CELLS, HIT, GONE = BASE - STEP, -8, -9  # what a lane may do instead of passing blocks
 ASTRAY = -3
 LANES = 64
 MANY = 20  # lanes that wait for a step through cells before it is made
@@ -57,8 +57,10 @@ CHUNK = 16384  # rays that a thread takes at once
 SORT = 1 << 21  # rays that are put into order at once
 TILE = 5  # rays are sorted by tiles of 2^TILE cells a side ...
 SMALL = 512  # ... unless the whole grid is no larger than this and fits the cache anyway
+RISING, FALLING = 1.5, 3.0  # half sides that a ray has to be above its block's plane before it takes wider blocks
 TINY = 1e-50
 LARGEST = 1e290  # stands for 1/0
+EARLY = 1 - 1e-6  # what part of the way to a plane is passed for sure, as the quotient is rounded to single precision
 SLACK = 1e-6  # of a block's own height and slope, and a tenth of it in cells: how much planes are rounded up
 
 _njit: Any = partial(cast(Any, numba.njit), nogil=True, cache=True, error_model="numpy")
@@ -110,16 +112,15 @@ class HeightField:
         o, d = self._rays(origins, directions)
         own = self._own(facets, len(o))
         facet, distance = np.empty(len(o), np.int64), np.empty(len(o))
-        field = (self.heights.reshape(-1), self.planes, self.size.bit_length() - 1, self.top, self.highest)
+        field = (self.heights.reshape(-1), *self.planes, self.size.bit_length() - 1, self.top, self.highest)
         for first in range(0, len(o), SORT):
             part = slice(first, min(first + SORT, len(o)))
             order = self._order(o[part], d[part])
             rays = (o[part].reshape(-1), d[part].reshape(-1), own[part] if len(own) else own, order)
             count = part.stop - first
             jobs = [(*field, *rays, facet[part], distance[part], k, min(k + CHUNK, count)) for k in range(0, count, CHUNK)]
-            share(_with_memory, jobs)
-        if len(facet) and facet.min() == ASTRAY:
-            self._refuse(int(np.argmin(facet)), o, d, own)
+            if any(share(_with_memory, jobs)):
+                self._refuse(int(np.argmin(facet[part])) + first, o, d, own)
         return Hits(facet, distance)
 
     def escapes(self, origins: ArrayLike, directions: ArrayLike, facets: ArrayLike | None = None) -> NDArray[np.bool_]:
@@ -206,20 +207,33 @@ class HeightField:
 # --- planes above blocks ----------------------------------------------------------------------------------------------
 
 
-def _planes(z: Singles, top: int) -> Singles:
-    """Planes over all blocks, four numbers each: height over the block's middle, slopes along x and y, nothing.
+class Planes(NamedTuple):
+    """A plane over each block in one word, which is one read of memory: 32 bits of height, 16 each of the slopes along x and y.
 
-    The m x m blocks of one size stand in the rows m^2 to 2 m^2 - 1.
+    A part is read with the bits below it, which costs less than to remove them: the height over the block's middle is height
+    times the word, the slopes are slope times the word shifted up by 32 and by 48 bits. The m x m blocks of one size stand in
+    the entries m^2 to 2 m^2 - 1.
     """
-    planes = np.zeros((2 * (len(z) >> BASE) ** 2, 4), np.float32)
+
+    words: Integers
+    height: float
+    slope: float
+
+
+def _planes(z: Singles, top: int) -> Planes:
+    """Planes over all blocks. No slope of least squares exceeds the steepest step between two nodes."""
+    steepest = max(float(abs(np.diff(z, axis=axis, append=z.take([0], axis)).astype(float)).max()) for axis in (0, 1))
+    slope = steepest / 32767 / 2**48 or 1.0
+    height = (float(abs(z).max()) + (2 << top) * steepest) / 2**62 or 1.0
+    words = np.zeros(2 * (len(z) >> BASE) ** 2, np.int64)
     for shift in range(BASE, top + 1, STEP):
         count = (len(z) >> shift) ** 2
-        _cover(z, shift, planes[count : 2 * count])
-    return planes.reshape(-1)
+        _cover(z, shift, height, slope, words[count : 2 * count])
+    return Planes(words, height, slope)
 
 
 @_jit
-def _cover(z: Singles, shift: int, planes: Singles) -> None:  # pragma: no cover - compiled
+def _cover(z: Singles, shift: int, height: float, slope: float, words: Integers) -> None:  # pragma: no cover - compiled
     """For each block of 2^shift cells a side the plane of least squares, raised until no node of the block is above it."""
     blocks = z.shape[0] >> shift
     side = 1 << shift
@@ -230,11 +244,12 @@ def _cover(z: Singles, shift: int, planes: Singles) -> None:  # pragma: no cover
     for block in range(blocks * blocks):
         i, j = (block // blocks) << shift, (block % blocks) << shift
         along, across = _moments(z, i, j, side)
-        b, c = np.float32(along / moment), np.float32(across / moment)
-        least = _above(z, i, j, side, np.float64(b), np.float64(c))
-        size = abs(least) + side * (abs(b) + abs(c))
-        planes[block, 0] = least + SLACK * (size + 0.1)
-        planes[block, 1], planes[block, 2] = b, c
+        b, c = round(along / moment / slope / 2.0**48), round(across / moment / slope / 2.0**48)
+        low = ((b & 0xFFFF) << 16) | (c & 0xFFFF)
+        rise, tilt = slope * (low << 32), slope * (low << 48)
+        least = _above(z, i, j, side, rise, tilt)
+        size = abs(least) + side * (abs(rise) + abs(tilt))
+        words[block] = (math.ceil((least + SLACK * (size + 0.1)) / height / 2.0**32) << 32) | low
 
 
 @_jit
@@ -289,10 +304,10 @@ def _by_tile(o: Array, d: Array, highest: float, size: int) -> Integers:  # prag
 #
 # Rows of the lanes' state, of LANES entries each. Rays are mirrored so that they run towards +x and +y: a mirrored axis has
 # the mask -1, and the cell c of it is the cell ~c of the surface. t is the distance so far, (CX, CY) the cell there, SIZE
-# the binary logarithm of the block's side, or CELLS, HIT, GONE or IDLE. SIDE is the side of its cell that a ray starts on, or
+# the binary logarithm of the block's side, or CELLS, HIT or GONE. SIDE is the side of its cell that a ray starts on, or
 # FREE more than that on which it came into its cell, or -1 if only t tells; after a HIT, the facet.
 
-T, FX, FY, OZ, DX, DY, DZ, IX, IY, IA, SX, SY, END = (row * LANES for row in range(13))
+T, FX, FY, OZ, DX, DY, DZ, IX, IY, IA, END = (row * LANES for row in range(11))
 CX, CY, SIZE, MX, MY, RAY, SIDE = (row * LANES for row in range(7))
 FREE = 2
 
@@ -334,6 +349,18 @@ def _put(context: Any, array: Any, index: Any, value: Any) -> Any:
 
 
 @cast(Any, intrinsic)
+def _bits(context: Any, word: Any) -> Any:
+    """How many bits are set."""
+    return word(word), lambda context, builder, signature, args: builder.ctpop(args[0])
+
+
+@cast(Any, intrinsic)
+def _lowest(context: Any, word: Any) -> Any:
+    """Which bit is the lowest that is set, of a word that is not 0."""
+    return word(word), lambda context, builder, signature, args: builder.cttz(args[0], cgutils.true_bit)
+
+
+@cast(Any, intrinsic)
 def _wide(context: Any) -> Any:
     """Lets the function that calls it use vectors of 512 bits where there are such; LLVM prefers shorter ones."""
 
@@ -345,47 +372,48 @@ def _wide(context: Any) -> Any:
 
 
 @_lanes
-def _pass_blocks(s: Array, q: Integers, planes: Singles, mask: int, top: int, highest: float) -> None:  # pragma: no cover
+def _pass_blocks(
+    s: Array, q: Integers, words: Integers, unit: float, slope: float, bits: int, top: int
+) -> None:  # pragma: no cover
     """One step of every lane: over its block to the next one, or, where its plane is met, to there and into the block."""
     _wide()
     for k in range(LANES):
         cx, cy, old = _get(q, CX + k), _get(q, CY + k), _get(q, SIZE + k)
+        mx, my = _get(q, MX + k), _get(q, MY + k)
         t, x, y, z = _get(s, T + k), _get(s, FX + k), _get(s, FY + k), _get(s, OZ + k)
         dx, dy, dz = _get(s, DX + k), _get(s, DY + k), _get(s, DZ + k)
         live = old >= BASE
         size = old if live else BASE
-        side = 1 << size
-        x0, y0 = (cx >> size) << size, (cy >> size) << size
-        x1, y1 = float(x0 + side), float(y0 + side)
-        tx, ty = (x1 - x) * _get(s, IX + k), (y1 - y) * _get(s, IY + k)
+        last = (1 << size) - 1
+        side = float(last + 1)
+        to_x, to_y = float((cx | last) + 1) - x, float((cy | last) + 1) - y
+        tx, ty = to_x * _get(s, IX + k), to_y * _get(s, IY + k)
         along_x = tx < ty
         leave = tx if along_x else ty
-        last = mask >> size
-        row = (last + 1) * (last + 1 + (((cx >> size) ^ _get(q, MX + k)) & last)) + (((cy >> size) ^ _get(q, MY + k)) & last)
-        row = row if live else 0
-        b, c = _look(planes, 4 * row + 1) * _get(s, SX + k), _look(planes, 4 * row + 2) * _get(s, SY + k)
+        blocks = 1 << (bits - size)
+        row = ((blocks + (((cx >> size) ^ mx) & (blocks - 1))) << (bits - size)) + (((cy >> size) ^ my) & (blocks - 1))
+        word = _look(words, row if live else 0)
+        b, c = slope * (((word << 32) ^ mx) - mx), slope * (((word << 48) ^ my) - my)
         half = 0.5 * side
-        gap = z - _look(planes, 4 * row) - b * (x - x1 + half) - c * (y - y1 + half)
+        gap = z - unit * word - b * (half - to_x) - c * (half - to_y)
         rate = dz - b * dx - c * dy
-        above = gap + rate * t > 0.0
-        clear = above & (gap + rate * leave > 0.0)
-        met = -gap / rate
-        met = met if met > t else t
+        here, there = gap + rate * t, gap + rate * leave
+        above = here > 0.0
+        clear = above & (there > 0.0)
+        part = np.float64(np.float32(here) / np.float32(here - there))
+        met = t + (leave - t) * (EARLY * part if part > 0.0 else 0.0)
         now = leave if clear else met
-        nx, ny = np.int64(math.floor(x + now * dx)), np.int64(math.floor(y + now * dy))
-        nx = nx if nx > cx else cx
-        ny = ny if ny > cy else cy
-        nx = nx if nx < x0 + side - 1 else x0 + side - 1
-        ny = ny if ny < y0 + side - 1 else y0 + side - 1
-        nx = x0 + side if clear & along_x else nx
-        ny = y0 + side if clear & (not along_x) else ny
+        u, v = int(side - to_x + now * dx), int(side - to_y + now * dy)
+        u, v = u if u < last else last, v if v < last else last
+        nx, ny = (cx & ~last) + u, (cy & ~last) + v
+        nx, ny = nx if nx > cx else cx, ny if ny > cy else cy
+        nx = (cx | last) + 1 if clear & along_x else nx
+        ny = (cy | last) + 1 if clear & (not along_x) else ny
         now, nx, ny = now if above else t, nx if above else cx, ny if above else cy
-        crossed = (((nx ^ cx) | (ny ^ cy)) >> (size + STEP)) != 0
-        rises = (rate > 0.0) & (gap + rate * leave > 0.5 * side)
-        wider = size + STEP if (crossed | rises) & (size < top) else size
+        far = there > half * (RISING if rate > 0.0 else FALLING)
+        wider = size + STEP if far & (size < top) else size
         new = wider if clear else size - STEP
-        gone = ((dz >= 0.0) & (z + now * dz > highest)) | (now > _get(s, END + k))
-        new = GONE if gone else new
+        new = GONE if now > _get(s, END + k) else new
         _put(s, T + k, now if live else t)
         _put(q, CX + k, nx if live else cx)
         _put(q, CY + k, ny if live else cy)
@@ -470,10 +498,10 @@ def _fetch(
     """Copy up to LANES rays next to each other: many reads of distant memory at once cost little more than one."""
     for k in range(min(last - first, LANES)):
         ray = _look(order, first + k) if len(order) else first + k
-        starts[k] = _look(own, ray) if len(own) else -1
+        _put(starts, k, _look(own, ray) if len(own) else -1)
         for axis in range(3):
-            fetched[axis * LANES + k] = _look(o, 3 * ray + axis)
-            fetched[(3 + axis) * LANES + k] = _look(d, 3 * ray + axis)
+            _put(fetched, axis * LANES + k, _look(o, 3 * ray + axis))
+            _put(fetched, (3 + axis) * LANES + k, _look(d, 3 * ray + axis))
 
 
 @_inner
@@ -502,8 +530,9 @@ def _enter(
         x, y, dx, dy, dz = x if good else 0.0, y if good else 0.0, dx if good else 1.0, dy if good else 1.0, dz if good else 1.0
         end = REACH / (dx + dy)
         end = end if end < LARGEST else LARGEST
-        t = (highest - oz) / dz if (oz > highest) & (dz < 0.0) else 0.0
-        t = t if t > 0.0 else 0.0
+        level = (highest - oz + SLACK * (abs(highest) + abs(oz))) / (dz + 0.0)  # -0 + 0 is 0
+        t = level if (dz < 0.0) & (level > 0.0) else 0.0
+        done = level if (dz >= 0.0) & (level < end) else end
         near = t if t < end else end
         cx, cy = np.int64(math.floor(x + near * dx)), np.int64(math.floor(y + near * dy))
         own = _look(starts, k)
@@ -525,10 +554,8 @@ def _enter(
         _put(s, DZ + k, dz)
         _put(s, IX + k, ix if ix < LARGEST else LARGEST)
         _put(s, IY + k, iy if iy < LARGEST else LARGEST)
+        _put(s, END + k, done)
         _put(s, IA + k, 1.0 / (dx + dy if flip else dx - dy))
-        _put(s, SX + k, sx)
-        _put(s, SY + k, sy)
-        _put(s, END + k, end)
         _put(q, CX + k, ox if held else cx)
         _put(q, CY + k, oy if held else cy)
         _put(q, MX + k, mx)
@@ -555,7 +582,9 @@ def _near(cell: int, x: float, bits: int) -> int:  # pragma: no cover
 @_njit(_nrt=False)
 def _trace(
     z: Singles,
-    planes: Singles,
+    words: Integers,
+    unit: float,
+    slope: float,
     bits: int,
     top: int,
     highest: float,
@@ -569,90 +598,79 @@ def _trace(
     last: int,
     s: Array,
     q: Integers,
-    ready: Integers,
     fetched: Array,
     starts: Integers,
     new_s: Array,
     new_q: Integers,
     found: Integers,
     far: Array,
-) -> None:  # pragma: no cover
-    """The rays first..last-1 of the order, in lanes that are filled again when enough of them are done."""
+) -> bool:  # pragma: no cover
+    """The rays first..last-1 of the order, in lanes that are filled again when enough are done; whether some are no rays."""
     _reset(q)
-    following, left, idle = 0, last - first, 0
-    while left > 0:
+    following, count, empty, astray = 0, last - first, -1, False
+    while (following < count) | (empty != -1):
         blocks, cells = _census(q)
-        if (blocks + cells > 0) & (blocks + cells + idle > LANES - SPARE):
-            if (blocks > 0) & (cells < MANY):
-                _pass_blocks(s, q, planes, (1 << bits) - 1, top, highest)
+        busy = blocks | cells
+        waiting = _bits(cells)
+        if (busy != 0) & (_bits(busy if following < count else busy | empty) > LANES - SPARE):
+            if (blocks != 0) & (waiting < MANY):
+                _pass_blocks(s, q, words, unit, slope, bits, top)
             else:
                 _pass_cells(s, q, z, bits)
             continue
-        for at in range(_leaving(q, ready)):
-            k = _get(ready, at)
-            left -= _decide(s, q, k, highest, found, far)
-            if following < last - first:
-                place = following % LANES
-                if place == 0:
-                    _fetch(fetched, starts, o, d, own, order, first + following, last)
-                    _prepare(new_s, new_q, fetched, starts, len(own) > 0, z, bits, top, highest)
-                _fill(s, q, k, new_s, new_q, place, following)
-                following += 1
-            else:
-                idle += 1
+        done = ~(busy | empty)
+        while done != 0:
+            astray |= _decide(s, q, _lowest(done), highest, found, far)
+            done &= done - 1
+        empty = ~busy
+        while (empty != 0) & (following < count):
+            place = following % LANES
+            if place == 0:
+                _fetch(fetched, starts, o, d, own, order, first + following, last)
+                _prepare(new_s, new_q, fetched, starts, len(own) > 0, z, bits, top, highest)
+            _fill(s, q, _lowest(empty), new_s, new_q, place, following)
+            empty &= empty - 1
+            following += 1
     if len(order):
         _return(facet, distance, found, far, order, first, last)
+    return astray
 
 
 @_inner
 def _reset(q: Integers) -> None:  # pragma: no cover
-    """Lanes without rays, all of them ready for one."""
+    """Lanes without rays."""
     for k in range(7 * LANES):
         q[k] = 0
     for k in range(LANES):
-        q[SIZE + k], q[RAY + k] = GONE, -1
+        q[SIZE + k] = GONE
 
 
 @_exact
-def _census(q: Integers) -> tuple[int, int]:  # pragma: no cover
-    """How many lanes pass blocks, and how many wait for a step through cells."""
+def _census(q: Integers) -> tuple[np.int64, np.int64]:  # pragma: no cover
+    """Which lanes pass blocks, and which wait for a step through cells: a bit each, that of lane k worth 2^k."""
     _wide()
-    blocks, cells = 0, 0
+    blocks, cells = np.int64(0), np.int64(0)
     for k in range(LANES):
-        blocks += int(_get(q, SIZE + k) >= BASE)
-        cells += int(_get(q, SIZE + k) == CELLS)
+        blocks |= np.int64(_get(q, SIZE + k) >= BASE) << k
+        cells |= np.int64(_get(q, SIZE + k) == CELLS) << k
     return blocks, cells
 
 
 @_inner
-def _leaving(q: Integers, ready: Integers) -> int:  # pragma: no cover
-    """Puts the lanes that are ready for another ray in front; their number."""
-    count = 0
-    for k in range(LANES):
-        _put(ready, count, k)
-        count += int((_get(q, SIZE + k) < CELLS) & (_get(q, SIZE + k) != IDLE))
-    return count
-
-
-@_inner
-def _decide(s: Array, q: Integers, k: int, highest: float, found: Integers, far: Array) -> int:  # pragma: no cover
-    """Write what the ray of lane k has met, and let it go; how many rays that were."""
-    ray, hit = _get(q, RAY + k), _get(q, SIZE + k) == HIT
-    _put(q, SIZE + k, IDLE)
-    _put(q, RAY + k, -1)
-    if ray < 0:
-        return 0
-    t, dz = _get(s, T + k), _get(s, DZ + k)
-    nothing = ESCAPED if (dz >= 0.0) & (_get(s, OZ + k) + t * dz > highest) else LOST
-    _put(found, ray, _get(q, SIDE + k) if hit else nothing)
+def _decide(s: Array, q: Integers, k: int, highest: float, found: Integers, far: Array) -> bool:  # pragma: no cover
+    """Write what the ray of lane k has met; whether it is no ray. Without a branch: no processor guesses which rays hit."""
+    ray, hit, side = _get(q, RAY + k), _get(q, SIZE + k) == HIT, _get(q, SIDE + k)
+    t, dz, oz = _get(s, T + k), _get(s, DZ + k), _get(s, OZ + k)
+    nothing = LOST + np.int64((dz >= 0.0) & (oz + t * dz > highest))
+    _put(found, ray, side if hit else nothing)
     _put(far, ray, t if hit else math.inf)
-    return 1
+    return side == ASTRAY
 
 
 @_inner
 def _fill(s: Array, q: Integers, k: int, new_s: Array, new_q: Integers, place: int, ray: int) -> None:  # pragma: no cover
     """Put a ray into lane k."""
-    for row in range(0, 13 * LANES, LANES):
+    for row in range(0, 11 * LANES, LANES):
         _put(s, row + k, _get(new_s, row + place))
     for row in range(0, 7 * LANES, LANES):
         _put(q, row + k, _get(new_q, row + place))
@@ -670,24 +688,24 @@ def _return(
         _put(distance, ray, _get(far, k))
 
 
-def _with_memory(*job: Any) -> None:
+def _with_memory(*job: Any) -> bool:
     """`_trace` with memory that belongs to the thread; results of rays in their own order go where they belong at once."""
     if not hasattr(_thread, "memory"):
         _thread.memory = _memory()
     *_, order, facet, distance, first, last = job
     results = _thread.memory[-2:] if len(order) else (facet[first:last], distance[first:last])
-    _trace(*job, *_thread.memory[:-2], *results)
+    astray: bool = _trace(*job, *_thread.memory[:-2], *results)
+    return astray
 
 
 def _memory() -> tuple[Any, ...]:
-    """Memory for `_trace`: the lanes' state, the lanes that are ready, the next rays, as given and as state, the results."""
+    """Memory for `_trace`: the lanes' state, the next rays, as given and as state, the results."""
     return (
-        np.empty(13 * LANES),
+        np.empty(11 * LANES),
         np.empty(7 * LANES, np.int64),
-        np.empty(LANES, np.int64),
         np.empty(6 * LANES),
         np.empty(LANES, np.int64),
-        np.empty(13 * LANES),
+        np.empty(11 * LANES),
         np.empty(7 * LANES, np.int64),
         np.empty(CHUNK, np.int64),
         np.empty(CHUNK),
