@@ -53,7 +53,7 @@ ASTRAY = -3
 LANES = 64
 MANY = 20  # lanes that wait for a step through cells before it is made
 SPARE = 12  # lanes that are ready for another ray before they get it
-CHUNK = 16384  # rays that a thread takes at once
+CHUNK = 32768  # rays that a thread takes at once
 SORT = 1 << 21  # rays that are put into order at once
 TILE = 5  # rays are sorted by tiles of 2^TILE cells a side ...
 SMALL = 512  # ... unless the whole grid is no larger than this and fits the cache anyway
@@ -67,7 +67,7 @@ _njit: Any = partial(cast(Any, numba.njit), nogil=True, cache=True, error_model=
 _jit = _njit()
 _inner = _njit(_nrt=False, forceinline=True)  # no counting of references: it would cost more than the walk itself
 _exact = _njit(_nrt=False)
-_lanes = _njit(_nrt=False, fastmath={"contract"})
+_lanes = _njit(_nrt=False, fastmath={"contract"}, forceinline=True)
 
 _thread = threading.local()
 
@@ -391,7 +391,7 @@ def _pass_blocks(
         along_x = tx < ty
         leave = tx if along_x else ty
         blocks = 1 << (bits - size)
-        row = ((blocks + (((cx >> size) ^ mx) & (blocks - 1))) << (bits - size)) + (((cy >> size) ^ my) & (blocks - 1))
+        row = ((blocks | (((cx >> size) ^ mx) & (blocks - 1))) << (bits - size)) | (((cy >> size) ^ my) & (blocks - 1))
         word = _look(words, row if live else 0)
         b, c = slope * (((word << 32) ^ mx) - mx), slope * (((word << 48) ^ my) - my)
         half = 0.5 * side
