@@ -9,6 +9,7 @@ import microfacet as mf
 import numpy as np
 import pytest
 from microfacet.directions import spherical
+from microfacet.brdf.specular import Microfacet
 from microfacet.surface import trials
 from microfacet.surface.campaign import Entry
 from microfacet.surface.compare import normals_of
@@ -76,6 +77,14 @@ def test_a_sampler_with_swapped_axes_is_refuted(monkeypatch: pytest.MonkeyPatch)
     swapped = mf.GGX(0.2, 0.5).sample
     monkeypatch.setattr(mf.GGX, "sample", lambda self, u: swapped(u))
     assert verdict("samples", trials.drawn(mf.GGX(0.5, 0.2))).status == "fail"
+
+
+def test_a_density_off_by_two_in_a_thousand_is_refuted(monkeypatch: pytest.MonkeyPatch) -> None:
+    density = Microfacet.pdf
+    assert verdict("samples", trials.weighed(mf.GGX(1.0), albedo=trials.exact_albedo)).status == "pass"
+    monkeypatch.setattr(Microfacet, "pdf", lambda self, wo, wi: 1.002 * density(self, wo, wi))
+    for albedo, ndf in ((Microfacet.albedo, mf.Beckmann(0.4)), (trials.exact_albedo, mf.GGX(1.0))):
+        assert verdict("samples", trials.weighed(ndf, albedo=albedo)).status == "fail"
 
 
 def test_odds_are_students() -> None:
