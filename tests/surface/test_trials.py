@@ -8,8 +8,8 @@ from dataclasses import replace
 import microfacet as mf
 import numpy as np
 import pytest
-from microfacet.directions import spherical
 from microfacet.brdf.specular import Microfacet
+from microfacet.directions import spherical
 from microfacet.surface import trials
 from microfacet.surface.campaign import Entry
 from microfacet.surface.compare import normals_of
