@@ -1,7 +1,7 @@
 # Gaussian surfaces, ray traced: scattered over ranges of surfaces, gathered in their order.
 #
 # snakemake --config surfaces=400              more surfaces; those that were measured already are kept
-# snakemake --config surfaces=400 range=10     in larger portions; the numbers stay the same
+# snakemake --config surfaces=400 range=50     in larger portions; the numbers stay the same
 
 SURFACES = int(config.get("surfaces", campaign.SURFACES))
 RANGE = int(config.get("range", campaign.RANGE))
