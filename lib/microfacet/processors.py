@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from functools import cache
 from typing import Any
 
@@ -16,10 +16,24 @@ def threads() -> int:
 
 
 def share(work: Callable[..., Any], jobs: Sequence[Iterable[Any]]) -> list[Any]:
-    """What work(*job) returns for each job, by that many threads; one job alone is not handed to another thread."""
-    if len(jobs) == 1 or threads() == 1:
-        return [work(*job) for job in jobs]
-    return [done.result() for done in [_pool(threads()).submit(work, *job) for job in jobs]]
+    """What work(*job) returns for each job; that many threads, this one among them, take the next job while there is one."""
+    results: list[Any] = [None] * len(jobs)
+    waiting = iter(enumerate(jobs))
+
+    def take() -> None:
+        for place, job in waiting:
+            results[place] = work(*job)
+
+    helpers = min(threads(), len(jobs)) - 1
+    others = [_pool(threads() - 1).submit(take) for _ in range(helpers)]
+    try:
+        take()
+    finally:
+        begun = [other for other in others if not other.cancel()]
+        wait(begun)
+    for other in begun:
+        other.result()
+    return results
 
 
 @cache

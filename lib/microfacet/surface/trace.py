@@ -143,6 +143,8 @@ class HeightField:
             raise ValueError(f"origins must lie within {REACH:g} cells, got {o[at]} at index {at}")
         if not TINY < abs(d[at]).max() < 1 / TINY:
             raise ValueError(f"directions must have a length between {TINY:g} and {1 / TINY:g}, got {d[at]} at index {at}")
+        if own[at] >= 2 * self.size**2:
+            raise ValueError(f"facets must be below {2 * self.size**2}, got {own[at]} at index {at}")
         raise ValueError(f"facets must hold the origins: facet {own[at]} does not hold {o[at]} of ray {at}")
 
     def _own(self, facets: ArrayLike | None, count: int) -> Integers:
@@ -151,8 +153,6 @@ class HeightField:
         given = np.asarray(facets)
         if given.shape != (count,) or given.dtype.kind not in "iu":
             raise ValueError(f"facets must be whole numbers of shape ({count},), got {given.dtype} of shape {given.shape}")
-        if count and given.max() >= 2 * self.size**2:
-            raise ValueError(f"facets must be below {2 * self.size**2}, got {given.max()}")
         return np.ascontiguousarray(given, np.int64)
 
     def _order(self, o: Array, d: Array) -> Integers:
@@ -538,7 +538,7 @@ def _enter(
         own = _look(starts, k)
         held = (own >= 0) & good
         ox, oy = _near((own >> (bits + 1)) ^ mx, x, bits), _near(((own >> 1) & ((1 << bits) - 1)) ^ my, y, bits)
-        inside = (abs(x - ox - 0.5) <= 0.5 + 1e-6) & (abs(y - oy - 0.5) <= 0.5 + 1e-6)
+        inside = (own >> (2 * bits + 1) == 0) & (abs(x - ox - 0.5) <= 0.5 + 1e-6) & (abs(y - oy - 0.5) <= 0.5 + 1e-6)
         side, flip = (own & 1) ^ (1 + mx), mx != my
         b, c = _slopes(side != 0, flip, *_corners(z, ox, oy, mx, my, bits, held))
         blocked = held & (dz - b * dx - c * dy <= 0.0)
