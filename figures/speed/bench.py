@@ -20,6 +20,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -106,11 +107,11 @@ def plan_of(call: Callable[[], Any], rounds: int) -> tuple[int, int]:
 def quantity(name: str, rounds: int, largest: int) -> dict[str, Any]:
     """What goes on record of one quantity."""
     kept: dict[str, Any] = {"commit": commit(), "machine": machine(), "rounds": rounds}
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, ExitStack() as stay:
         calls, errors = jobs(name, largest), {}
         if name in yardsticks.GUESTS:
-            sizes = sorted({min(size, largest) for size in rivals.QUANTITIES[name]["library"].sizes})
-            guests, kept["rivals"], errors = yardsticks.guest_jobs(name, folder, largest)
+            sizes = sorted({min(size, largest) for size in next(iter(rivals.QUANTITIES[name].values())).sizes})
+            guests, kept["rivals"], errors = yardsticks.guest_jobs(name, folder, largest, stay)
             calls += [*yardsticks.cpp_jobs(folder, name, tuple(sizes)), *guests]
         rows = measured(calls, rounds)
     for key, row in rows.items():

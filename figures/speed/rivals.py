@@ -16,6 +16,7 @@ import rivals_integral
 import rivals_masking
 import rivals_models
 import rivals_normals
+import rivals_rays
 import rivals_render
 import rivals_sampling
 import rivals_tracing
@@ -31,6 +32,7 @@ QUANTITIES: dict[str, dict[str, Method]] = {
     "models": rivals_models.METHODS,
     "estimate": rivals_estimate.METHODS,
     "render": rivals_render.METHODS,
+    "rays": rivals_rays.METHODS,
     "tracing": rivals_tracing.METHODS,
     "growth": rivals_growth.METHODS,
 }

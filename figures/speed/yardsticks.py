@@ -1,7 +1,7 @@
-"""What the BRDF and samples of it are compared with from outside Python: loops in C++, and guests, timed if installed.
+"""What the BRDF, samples of it and rays are compared with from outside: loops in C++, and guests, timed if installed.
 
-A guest (jax, Mitsuba) runs in a process of its own, guest.py, so that its threads and its faults stay there. Both are in the
-optional extra `bench`. One that is absent, or cannot start, has a sentence on record in place of times, and nothing fails.
+A guest (jax, Mitsuba, Embree) runs in a process of its own, guest.py, so that its threads and its faults stay there. All are
+in the optional extra `bench`. One that is absent, or cannot start, has a sentence on record in place of times; nothing fails.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -21,6 +22,7 @@ import numpy as np
 from method import ALPHA, directions, uniform, worst
 from microfacet.processors import threads
 from rivals_brdf import brdf_numpy, brdf_separable
+from rivals_rays import RAYS, TASKS, rays
 from rivals_sampling import misplaced
 
 CPP = """
@@ -53,15 +55,18 @@ FLAGS = {
     "cpp": ("C++ -O3 -march=native, double", ()),
     "cpp_no_errno": ("the same with -fno-math-errno", ("-fno-math-errno",)),
 }
+LOOPS = ("brdf", "sampling")
+SIZES = (10**6, 4 * 10**6)  # of arrays for guests: what starts a call from another process must not count
 
 
 class Entry(NamedTuple):
-    """A guest: words, the package it is in, the precision of its arrays, and what it does there."""
+    """A guest: words, the package it is in, the precision of its arrays, what it does there, and with how many values."""
 
     words: str
     package: str
     real: type
     task: str
+    sizes: tuple[int, ...] = SIZES
 
 
 GUESTS = {  # quantity -> name on record -> guest
@@ -74,8 +79,10 @@ GUESTS = {  # quantity -> name on record -> guest
         "mitsuba_ggx": Entry("GGX, Mitsuba's llvm variant, single", "mitsuba", np.float32, "ggx"),
         "mitsuba_beckmann": Entry("Beckmann, Mitsuba's llvm variant, single", "mitsuba", np.float32, "beckmann"),
     },
+    "rays": {
+        f"embree_{task}": Entry(f"rays {words}, Embree", "embreex", np.float32, task, RAYS) for task, words in TASKS.items()
+    },
 }
-SIZES = (10**6, 4 * 10**6)  # of guests: what starts a call from another process must not count
 START = 120  # seconds after which a guest that has said nothing is sent away
 
 Job = tuple[str, int, Callable[[], Any]]
@@ -91,8 +98,11 @@ def compiled(folder: str, name: str, flags: tuple[str, ...], quantity: str) -> A
     return getattr(ctypes.CDLL(str(library)), quantity)
 
 
-def arguments(quantity: str, size: int, real: type) -> tuple[np.ndarray, np.ndarray]:
-    """Views, and lights or random numbers: those that the library gets."""
+def arguments(quantity: str, size: int, real: type, task: str = "") -> tuple[np.ndarray, np.ndarray]:
+    """Views, and lights or random numbers; or rays: those that the library gets."""
+    if quantity == "rays":
+        origins, ways, _ = rays(task, size)
+        return origins.astype(real), ways.astype(real)
     if quantity == "brdf":
         return directions(size, 1, real), directions(size, 2, real)
     return directions(size, 5, real), uniform(size, 6, real)
@@ -119,8 +129,8 @@ def in_cpp(function: Any, quantity: str, size: int) -> Callable[[], Any]:
 
 
 def cpp_jobs(folder: str, quantity: str, sizes: tuple[int, ...]) -> list[Job]:
-    """None without a compiler."""
-    if not shutil.which("g++"):
+    """None without a compiler, or where there is no loop."""
+    if quantity not in LOOPS or not shutil.which("g++"):
         return []
     loops = {name: compiled(folder, name, flags, quantity) for name, (_, flags) in FLAGS.items()}
     return [(name, size, in_cpp(loop, quantity, size)) for name, loop in loops.items() for size in sizes]
@@ -142,7 +152,7 @@ class Guest:
             raise Refused("not installed")
         here, self.files = Path(__file__).parent, Path(folder) / f"{name}_{size}"
         self.files.mkdir()
-        for file, array in zip(("wo", "other"), arguments(quantity, size, self.entry.real), strict=True):
+        for file, array in zip(("wo", "other"), arguments(quantity, size, self.entry.real, self.entry.task), strict=True):
             np.save(self.files / f"{file}.npy", array)
         what = [self.entry.package, self.entry.task, str(self.files), *map(str, ALPHA)]
         command = [sys.executable, str(here / "guest.py"), *what]
@@ -167,11 +177,20 @@ class Guest:
             errors = [line for line in lines if "error" in line.lower()] or lines or ["it did not say why"]
             raise Refused(f"installed, but it ended with status {code}: {errors[-1][:100]}")
 
-    def error(self) -> float | None:
+    def leave(self) -> None:
+        """End the process, and what it keeps in memory."""
+        assert self.process.stdin
+        self.process.stdin.close()
+        self.process.wait(START)
+
+    def error(self) -> float | list[float] | None:
         """Largest error of what it found, over the first few values: relative, or of Beckmann's normals in probability.
 
-        None for normals of GGX: there is more than one way to send numbers to them.
+        For rays, the shares of wrong verdicts, for each offset. None for normals of GGX: there is more than one way to send
+        numbers to them.
         """
+        if self.entry.package == "embreex":
+            return [float(f"{share:.4g}") for share in np.load(self.files / "found.npy")]
         arrays = [np.load(self.files / f"{file}.npy")[:2000] for file in ("wo", "other", "found")]
         wo, other, found = (array.astype(np.longdouble) for array in arrays)
         if self.entry.task == "ggx":
@@ -182,18 +201,19 @@ class Guest:
         return worst(found, exact(wo, other))
 
 
-def guest_jobs(quantity: str, folder: str, largest: int) -> tuple[list[Job], dict[str, str], dict[str, float | None]]:
-    """The calls of the guests that are there, why the others are not, and the errors of those that are."""
+def guest_jobs(quantity: str, folder: str, largest: int, stay: ExitStack) -> tuple[list[Job], dict[str, str], dict[str, Any]]:
+    """The calls of the guests that are there, why the others are not, and the errors of those that are; they go with `stay`."""
     jobs: list[Job] = []
     refused: dict[str, str] = {}
-    errors: dict[str, float | None] = {}
-    for name in GUESTS.get(quantity, {}):
+    errors: dict[str, Any] = {}
+    for name, entry in GUESTS.get(quantity, {}).items():
         try:
-            for size in sorted({min(size, largest) for size in SIZES}):
+            for size in sorted({min(size, largest) for size in entry.sizes}):
                 guest = Guest(quantity, name, folder, size)
+                stay.callback(guest.leave)
                 jobs.append((name, size, guest.call))
                 error = guest.error()
-                errors[name] = None if error is None else float(f"{error:.2g}")
+                errors[name] = float(f"{error:.2g}") if isinstance(error, float) else error
         except Refused as why:
             refused[name] = str(why)
     return jobs, refused, errors
@@ -201,7 +221,7 @@ def guest_jobs(quantity: str, folder: str, largest: int) -> tuple[list[Job], dic
 
 def known(quantity: str) -> dict[str, str]:
     """Everything that a quantity may be compared with: name on record -> words."""
-    return {name: words for name, (words, _) in FLAGS.items()} | {
+    return {name: words for name, (words, _) in FLAGS.items() if quantity in LOOPS} | {
         name: guest.words for name, guest in GUESTS.get(quantity, {}).items()
     }
 

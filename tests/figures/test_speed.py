@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import sys
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ import rivals_estimate  # noqa: E402
 import rivals_fresnel  # noqa: E402
 import rivals_growth  # noqa: E402
 import rivals_integral  # noqa: E402
+import rivals_rays  # noqa: E402
 import rivals_tracing  # noqa: E402
 import yardsticks  # noqa: E402
 from microfacet.brdf.specular import Microfacet  # noqa: E402
@@ -169,7 +171,8 @@ def test_a_guest_that_is_absent_is_named_and_nothing_fails(tmp_path: Path, monke
 def test_a_guest_that_cannot_start_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     entry = yardsticks.Entry("another program", "json", np.float64, "brdf")
     monkeypatch.setattr(yardsticks, "GUESTS", {"brdf": {"other": entry}})
-    jobs, refused, _ = yardsticks.guest_jobs("brdf", str(tmp_path), 100)
+    with ExitStack() as stay:
+        jobs, refused, _ = yardsticks.guest_jobs("brdf", str(tmp_path), 100, stay)
     assert jobs == []
     assert refused["other"].startswith("installed, but it ended with status 1: KeyError: ('json', 'brdf')")
 
@@ -177,3 +180,30 @@ def test_a_guest_that_cannot_start_says_why(tmp_path: Path, monkeypatch: pytest.
 def test_calls_that_take_long_are_repeated_less() -> None:
     assert bench.plan_of(lambda: None, 15)[1] == 15
     assert bench.plan_of(lambda: bench.time.sleep(0.5), 15) == (1, 7)
+
+
+@pytest.mark.parametrize("order", rivals_rays.ORDERS)
+def test_rays_of_known_verdict_get_it(order: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    for kind in ("primary", "shadow"):
+        assert rivals_rays.false(f"{kind}_{order}", 20_000) == 0
+    assert np.isnan(rivals_rays.false(f"reflected_{order}", 10))
+    origins, ways, facets = rivals_rays.rays(f"shadow_{order}", 20_000)
+    monkeypatch.setattr(rivals_rays, "rays", lambda task, count: (origins, -ways, facets))
+    assert rivals_rays.false(f"shadow_{order}", 20_000) == 1
+
+
+def test_rays_by_tiles_are_the_same_rays() -> None:
+    loose, sorted_ = (rivals_rays.rays(f"primary_{order}", 5000)[0] for order in rivals_rays.ORDERS)
+    steps = [abs(np.diff(origins[:, :2] // rivals_rays.TILE, axis=0)).max(axis=1).mean() for origins in (loose, sorted_)]
+    np.testing.assert_array_equal(np.sort(loose, axis=0), np.sort(sorted_, axis=0))
+    assert steps[1] < 0.2 < steps[0]
+
+
+def test_rays_without_embree_are_charted_as_not_measured(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import speed_rays_data
+
+    monkeypatch.setattr(record, "RECORD", tmp_path / "none.json")
+    found = speed_rays_data.embree()
+    assert np.isnan(found["embree_times"]).all()
+    assert np.isnan(found["embree_reflected"]).all()
+    assert found["embree_said"] == "not measured"

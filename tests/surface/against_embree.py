@@ -1,4 +1,4 @@
-"""Rays per second and false verdicts, here and in Embree on the same triangles, in one run. Needs embreex; not a test.
+"""Rays per second and false verdicts over sizes of surfaces, here and in Embree, in one run. Needs embreex; not a test.
 
     python tests/surface/against_embree.py [nodes per side ...]             one thread each
     MICROFACET_THREADS=2 python tests/surface/against_embree.py             two
@@ -15,13 +15,16 @@ import sys
 import time
 from collections.abc import Callable
 from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any
 
 os.environ.setdefault("MICROFACET_THREADS", "1")
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
+sys.path.insert(0, str(Path(__file__).parents[2] / "figures" / "speed"))
+
 import numpy as np
-from embreex.mesh_construction import TriangleMesh
-from embreex.rtcore_scene import EmbreeScene
+from guest import embree_scene, embree_share
 from microfacet.directions import spherical
 from microfacet.processors import threads
 from microfacet.surface.gaussian import GaussianField
@@ -30,50 +33,30 @@ from microfacet.surface.trace import HeightField
 RAYS, RUNS = 1_000_000, 7
 
 
-def embree(field: HeightField) -> EmbreeScene:
-    """One period and what rays can reach beyond it, as Embree knows no other."""
-    n, margin = field.size, 256
-    z = np.pad(field.heights, margin, mode="wrap")
-    i, j = np.meshgrid(*2 * [np.arange(-margin, n + margin)], indexing="ij")
-    nodes = np.stack([i, j, z], axis=-1).reshape(-1, 3).astype(np.float32)
-    corner = np.arange(nodes.shape[0]).reshape(z.shape)[:-1, :-1].ravel()
-    first = np.stack([corner, corner + len(z), corner + len(z) + 1], axis=-1)
-    second = np.stack([corner, corner + len(z) + 1, corner + 1], axis=-1)
-    scene = EmbreeScene()
-    TriangleMesh(scene, nodes, np.stack([first, second], axis=1).reshape(-1, 3).astype(np.int32))
-    return scene
-
-
 class Sharers:
     """So many processes that trace a share of the rays each, when told to. They are made when all is in memory."""
 
-    def __init__(self, scene: EmbreeScene, origins: np.ndarray, directions: np.ndarray) -> None:
+    def __init__(self, scene: Any, origins: np.ndarray, directions: np.ndarray) -> None:
         fork = multiprocessing.get_context("fork")
         self.ends: list[Connection] = []
         self.processes = []
         for o, d in zip(np.array_split(origins, threads()), np.array_split(directions, threads()), strict=True):
             here, there = fork.Pipe()
-            process = fork.Process(target=_answer, args=(there, scene, o, d), daemon=True)
+            process = fork.Process(target=embree_share, args=(there, scene, o, d), daemon=True)
             process.start()
             self.ends.append(here)
             self.processes.append(process)
 
     def __call__(self) -> None:
         for end in self.ends:
-            end.send(True)
+            end.send("once")
         for end in self.ends:
             end.recv()
 
     def close(self) -> None:
         for end, process in zip(self.ends, self.processes, strict=True):
-            end.send(False)
+            end.send("")
             process.join()
-
-
-def _answer(end: Connection, scene: EmbreeScene, origins: np.ndarray, directions: np.ndarray) -> None:
-    while end.recv():
-        scene.run(origins, directions)
-        end.send(None)
 
 
 def best(works: list[Callable[[], object]]) -> list[float]:
@@ -94,7 +77,7 @@ def main(size: int) -> None:
     rng, wo = np.random.default_rng(1), spherical(np.radians(60), 0.3)
     origins = np.column_stack([rng.uniform(0, size, (RAYS, 2)), np.full(RAYS, field.highest)])
     start = time.process_time()
-    scene = embree(field)
+    scene = embree_scene(field.heights)
     scene.run(origins[:1].astype(np.float32), -wo[None].astype(np.float32))
     print(f"{size}^2: made and built in {built:.1f} s here, built in {time.process_time() - start:.1f} s by Embree")
     tiles = np.lexsort((origins[:, 1] // 64, origins[:, 0] // 64))
