@@ -27,9 +27,17 @@ def complaints(path: Path) -> list[str]:
     found = [(m.start(), f"the directive {{{m[1]}}} is not {{code-cell}}") for m in DIRECTIVE.finditer(text)
              if m[1] != "code-cell"]  # fmt: skip
     found += [(m.start(), f"the role {m[0]} would be printed as it stands") for m in ROLE.finditer(text)]
+    prose = re.sub(inventory.CELL, blank, text)
+    found += [(m.start(), "an inline value with braces of its own would be printed as it stands; give it a name in a cell")
+              for m in re.finditer(r"\{\{", re.sub(inventory.INLINE, blank, prose))]  # fmt: skip
     lengths = [(m.start(), len(inventory.code_of(m[1]).strip().splitlines())) for m in inventory.CELL.finditer(text)]
     found += [(at, f"a cell of {n} lines; at most {LONGEST_CELL} are allowed") for at, n in lengths if n > LONGEST_CELL]
     return [f"{path}, line {line_at(text, place)}: {what}." for place, what in sorted(found)]
+
+
+def blank(match: re.Match[str]) -> str:
+    """Spaces of the same length and lines."""
+    return re.sub(r"[^\n]", " ", match[0])
 
 
 def line_at(text: str, place: int) -> int:

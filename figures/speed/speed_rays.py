@@ -8,6 +8,7 @@ without a wrong verdict among these rays. The library's rays start where they ar
 
 import sys
 
+import matplotlib.ticker as ticker
 import numpy as np
 from microfacet import plotting
 
@@ -31,6 +32,9 @@ def times(ax: plotting.Axes, data: dict) -> None:
             plotting.label(ax, (np.sqrt(low * high), row + 0.22), rf"$\times\,{ratio:.1f}$", fontsize=7)
     words = [words.replace(", ", ",\n") for words in data["words"]]
     ax.set(xscale="log", xlabel="time of a ray (ns)", yticks=rows, yticklabels=words, ylim=(-0.6, len(rows) - 0.4))
+    ax.xaxis.set_major_locator(ticker.LogLocator(subs=(1, 2, 5)))
+    ax.xaxis.set_major_formatter(ticker.FormatStrFormatter("%g"))
+    ax.xaxis.set_minor_locator(ticker.NullLocator())
     known = [value for value in [*ours, *theirs] if np.isfinite(value)]
     if known:
         ax.set_xlim(min(known) / 1.5, max(known) * 1.5)

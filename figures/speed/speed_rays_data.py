@@ -36,6 +36,7 @@ def compute() -> dict:
         "times": times,
         "ratio": theirs["embree_times"][:, 1] / times[:, 1],
         "false": max(checked),
+        "wrong": round(sum(checked) * RAYS[0]),
         "checked": len(checked) * RAYS[0],
         "rays": RAYS[0],
         "spacing": np.spacing(np.float32(SIDE - 1)),

@@ -57,6 +57,7 @@ def test_a_broken_cell_is_one_sentence(small: Checkout, code: str, inline: str, 
         ("```{note}\nx\n```\n", "the directive {note}"),
         (":::{figure} x.png\n:::\n", "the directive {figure}"),
         ("Text {eq}`x` text", "the role {eq}`x`"),
+        ("Text {{1 + 1}}\nand {{f'{1 + 1}'}}", "3_test.md, line 4: an inline value with braces"),
         ("```{code-cell}\na\nb\nc\nd\ne\n```\n", "a cell of 5 lines"),
     ],
 )
