@@ -10,7 +10,6 @@ if that suits it best, answers "done" to each line, and keeps what it found the 
 
 from __future__ import annotations
 
-import multiprocessing
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -85,73 +84,23 @@ def mitsuba_normals(kind: str) -> Callable[..., Callable[[], Any]]:
     return prepared
 
 
-MARGIN = 256  # cells around one period, which Embree does not repeat: more than a ray crosses below the highest point
-OFFSETS = (0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
-
-
 def embree(task: str) -> Callable[..., Callable[[], Any]]:
-    """Embree's single precision, through embreex, which has one thread: as many processes share its rays."""
+    """Its tracer, on the surface that the library's rays meet."""
 
     def prepared(origins: Any, ways: Any, ax: float, ay: float) -> Callable[[], Any]:
+        import embree
         import rivals_rays
-        from microfacet.processors import threads
 
-        scene = embree_scene(rivals_rays.surface().heights)
-        fork, ends = multiprocessing.get_context("fork"), []
-        for share in zip(np.array_split(origins, threads()), np.array_split(ways, threads()), strict=True):
-            here, there = fork.Pipe()
-            fork.Process(target=embree_share, args=(there, scene, *share), daemon=True).start()
-            ends.append(here)
+        scene = embree.scene_of(rivals_rays.surface().heights)
+        sharers = embree.Sharers(scene, origins, ways)
 
         def trace() -> Any:
-            for end in ends:
-                end.send("once")
-            for end in ends:
-                end.recv()
-            return lambda: embree_errors(task, scene)
+            sharers()
+            return lambda: embree.errors(task, scene)
 
         return trace
 
     return prepared
-
-
-def embree_scene(heights: Any) -> Any:
-    """One period of the surface and a margin around it, as Embree's triangles."""
-    from embreex.mesh_construction import TriangleMesh
-    from embreex.rtcore_scene import EmbreeScene
-
-    z = np.pad(heights, MARGIN, mode="wrap")
-    i, j = np.meshgrid(*2 * [np.arange(-MARGIN, len(heights) + MARGIN)], indexing="ij")
-    corner = np.arange(z.size).reshape(z.shape)[:-1, :-1].ravel()
-    first, second = (corner, corner + len(z), corner + len(z) + 1), (corner, corner + len(z) + 1, corner + 1)
-    facets = np.stack([np.stack(first, -1), np.stack(second, -1)], axis=1).reshape(-1, 3)
-    scene = EmbreeScene()
-    TriangleMesh(scene, np.stack([i, j, z], axis=-1).reshape(-1, 3).astype(np.float32), facets.astype(np.int32))
-    return scene
-
-
-def embree_share(end: Any, scene: Any, origins: Any, ways: Any) -> None:
-    while end.recv():
-        scene.run(origins, ways)
-        end.send("done")
-
-
-def embree_errors(task: str, scene: Any) -> Any:
-    """The shares of rays from facets whose verdict, blocked or not, is wrong if they start so many cells along their way.
-
-    Not asked are those that the surface beyond the margin blocks.
-    """
-    import rivals_rays
-
-    if task not in ("reflected_sorted", "shadow_sorted"):
-        return np.zeros(0)
-    surface, (origins, ways, facets) = rivals_rays.surface(), rivals_rays.rays(task, rivals_rays.RAYS[0])
-    hits = surface.trace(origins, ways, facets)
-    free = hits.distance == np.inf
-    ends = origins + np.where(free, 0, hits.distance)[:, None] * ways
-    there = (abs(ends[:, :2] - surface.size / 2) < surface.size / 2 + MARGIN - 1).all(axis=1)
-    starts = [(origins + offset * ways).astype(np.float32) for offset in OFFSETS]
-    return np.array([np.mean(((scene.run(start, ways.astype(np.float32)) < 0) != free)[there]) for start in starts])
 
 
 TASKS = {

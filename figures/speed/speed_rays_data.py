@@ -3,7 +3,7 @@
 import sys
 
 import numpy as np
-from guest import OFFSETS
+from embree import OFFSETS
 from microfacet.datafile import rounded, store
 from record import mark, read, rows, seconds, summary
 from rivals_rays import METHODS, RAYS, SIDE, TASKS

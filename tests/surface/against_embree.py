@@ -9,14 +9,11 @@ its rays. "Sorted" rays come tile by tile. False verdicts: facets that are seen 
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import sys
 import time
 from collections.abc import Callable
-from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any
 
 os.environ.setdefault("MICROFACET_THREADS", "1")
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
@@ -24,39 +21,12 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"
 sys.path.insert(0, str(Path(__file__).parents[2] / "figures" / "speed"))
 
 import numpy as np
-from guest import embree_scene, embree_share
+from embree import Sharers, scene_of
 from microfacet.directions import spherical
-from microfacet.processors import threads
 from microfacet.surface.gaussian import GaussianField
 from microfacet.surface.trace import HeightField
 
 RAYS, RUNS = 1_000_000, 7
-
-
-class Sharers:
-    """So many processes that trace a share of the rays each, when told to. They are made when all is in memory."""
-
-    def __init__(self, scene: Any, origins: np.ndarray, directions: np.ndarray) -> None:
-        fork = multiprocessing.get_context("fork")
-        self.ends: list[Connection] = []
-        self.processes = []
-        for o, d in zip(np.array_split(origins, threads()), np.array_split(directions, threads()), strict=True):
-            here, there = fork.Pipe()
-            process = fork.Process(target=embree_share, args=(there, scene, o, d), daemon=True)
-            process.start()
-            self.ends.append(here)
-            self.processes.append(process)
-
-    def __call__(self) -> None:
-        for end in self.ends:
-            end.send("once")
-        for end in self.ends:
-            end.recv()
-
-    def close(self) -> None:
-        for end, process in zip(self.ends, self.processes, strict=True):
-            end.send("")
-            process.join()
 
 
 def best(works: list[Callable[[], object]]) -> list[float]:
@@ -77,7 +47,7 @@ def main(size: int) -> None:
     rng, wo = np.random.default_rng(1), spherical(np.radians(60), 0.3)
     origins = np.column_stack([rng.uniform(0, size, (RAYS, 2)), np.full(RAYS, field.highest)])
     start = time.process_time()
-    scene = embree_scene(field.heights)
+    scene = scene_of(field.heights)
     scene.run(origins[:1].astype(np.float32), -wo[None].astype(np.float32))
     print(f"{size}^2: made and built in {built:.1f} s here, built in {time.process_time() - start:.1f} s by Embree")
     tiles = np.lexsort((origins[:, 1] // 64, origins[:, 0] // 64))
