@@ -11,8 +11,8 @@ import microfacet as mf
 import mpmath
 import numpy as np
 import pytest
-import sympy as sp
 from integrals import integral_differs, stands_for_integrals
+from microfacet import checks
 from microfacet.__main__ import main
 from microfacet.notation import Direction
 from microfacet.statement import Equation
@@ -20,7 +20,7 @@ from microfacet.statement import Equation
 ROOT = Path(__file__).parent.parent
 LIBRARY = ROOT / "lib" / "microfacet"
 KEYS = list(mf.equations)
-COMPUTED = [key for key in KEYS if mf.equations[key].over and sp.sympify(mf.equations[key].computed).free_symbols]
+COMPUTED = [key for key in KEYS if checks.is_computed(mf.equations[key])]
 INTEGRALS = [key for key in KEYS if stands_for_integrals(mf.equations[key])]
 EVERY = pytest.mark.parametrize("key", KEYS)
 

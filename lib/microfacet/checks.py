@@ -223,9 +223,15 @@ def representable(exact: mpmath.mpf, real: type) -> bool:
     return exact == 0 or float(limits.tiny) <= abs(exact) <= float(limits.max)
 
 
+def is_computed(equation: Equation) -> bool:
+    """Whether the statement gives a kernel something to do."""
+    varies = equation.computed_by is not None or sp.sympify(equation.computed).free_symbols
+    return bool(equation.over and varies)
+
+
 def numeric(equation: Equation) -> Mark:
     """Kernels against 50 digits, and the forms of the statement against each other, over the declared domain."""
-    if not equation.over or not sp.sympify(equation.computed).free_symbols:
+    if not is_computed(equation):
         return Mark("none", "nothing to compute")
     disagreement = forms_disagree(equation)
     if disagreement:

@@ -212,7 +212,7 @@ def _flat(e: sp.Basic) -> sp.Basic:
         return args[0] if len(args) == 1 else e.func(*args, evaluate=False)
     if isinstance(e, sp.Pow):
         return sp.Pow(*args, evaluate=False)
-    return e.func(*args)
+    return e.func(*args, evaluate=False) if isinstance(e, sp.Abs) else e.func(*args)
 
 
 def raw(name: str, printed: str, **assumptions: Any) -> sp.Symbol:

@@ -28,7 +28,6 @@ from integrals import integral_differs, stands_for_integrals
 from microfacet import balls, checks, statement
 from microfacet.balls import NoBall
 from microfacet.brdf.ggx import inverse_square
-from microfacet.material.fresnel import dielectric
 from microfacet.statement import Equation, equations
 from mutants import called, of_expression, of_kernel, rebound
 
@@ -193,7 +192,7 @@ def _integrand(e: sp.Integral, where: Mapping[Any, Any]) -> Any:
 
 
 def computed() -> list[str]:
-    return [key for key, it in ORIGINAL.items() if it.over and sp.sympify(it.computed).free_symbols]
+    return [key for key, it in ORIGINAL.items() if checks.is_computed(it)]
 
 
 @cache
@@ -215,11 +214,10 @@ def outcomes_of_kernel(function: FunctionType) -> Iterator[Outcome]:
 
 
 def known_values(function: FunctionType, made: FunctionType) -> str:
-    """test_fresnel's: beyond the angle of total reflection, which the stated domain leaves out, all light is reflected.
-    test_specular's: the inverse of a square is known to half an ulp, where what it is for promises several."""
+    """test_specular's: the inverse of a square is known to half an ulp, where what it is for promises several."""
     if function is inverse_square and abs(Fraction(made(0.1)[1]) * Fraction(0.1) ** 2 - 1) > Fraction(0.51 * 2**-52):
         return "known values"
-    return "known values" if function is dielectric and made(0.1, 0.5) != 1.0 else ""
+    return ""
 
 
 def _symmetric(keys: list[str], rule: str) -> str:

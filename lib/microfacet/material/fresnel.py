@@ -84,7 +84,18 @@ def _refraction_steps() -> list[Any]:
     return [sp.sqrt(1 - sine**2) - _refracted(), (eta * _refracted()) ** 2 - (eta**2 - 1 + c**2)]
 
 
+def _share(a: sp.Expr) -> sp.Expr:
+    """What comes back of one polarisation. Kept as it is written: sympy would find it to be 1."""
+    return sp.Abs((a - sp.I * q) / (a + sp.I * q), evaluate=False) ** 2
+
+
+def _total_steps(it: Equation) -> list[Any]:
+    """i q is the root of what is below 0 under it; numbers and their conjugates have the same modulus."""
+    return [(sp.I * it.where[q]) ** 2 - (eta**2 - 1 + c**2), it.means.doit() - it.equals]
+
+
 refracted = raw("c_t", r"c_t", positive=True)  # cosine between refracted light and facet
+q = sp.Symbol("q", positive=True)  # |g| beyond the angle of total reflection, where g is imaginary
 
 with sp.evaluate(False):
     _root = sp.sqrt(eta**2 - 1 + c**2)
@@ -118,6 +129,22 @@ with sp.evaluate(False):
         slides=(47, 48),
         cite="cook1982",
         note="c is the cosine between light and facet, eta the index relative to outside.",
+    )
+    total_F = Equation(
+        key="material.fresnel.total",
+        title="total reflection",
+        symbol=raw("F_total", reflectance),
+        means=(_share(c) + _share(eta**2 * c)) / 2,
+        equals=sp.Integer(1),
+        where={q: sp.sqrt(1 - eta**2 - c**2)},
+        computed_by=dielectric,
+        within=(0, 0),
+        over={c: (1e-6, 0.7), eta: (0.01, 0.7)},
+        proof=_total_steps,
+        proved_by="sympy: g is imaginary, so each amplitude is a number over its conjugate",
+        slides=(47, 48),
+        cite="cook1982",
+        note="True wherever c^2 + eta^2 < 1; the box lies within.",
     )
     schlick_F = Equation(
         key="material.fresnel.schlick",
