@@ -2,6 +2,7 @@
 
 What every statement once reached is on record, in git; a build reads the record and never writes it.
 
+python workflow/ledger.py checked build/checks build/checked build/report.pdf
 python workflow/ledger.py gather build/checks build/measured.json build/ledger.json
 python workflow/ledger.py gate build/ledger.json records/ledger.json build/gate build/report.pdf
 """
@@ -27,20 +28,31 @@ def record_of(path: Path) -> dict[str, Any]:
         inventory.stop(f"The record {path} is torn: remove it, and snakemake will make it again.")
 
 
-def gather(folder: Path, measured: Path, out: Path) -> None:
+def checked(folder: Path, out: Path, *reports: Path) -> None:
+    """What failed is said before anything is measured on surfaces, which takes minutes."""
+    entries = entries_of(folder, {})
+    refuse_failures(entries, reports)
+    inventory.write_atomically(out, f"{len(entries)} statements passed their checks\n")
+
+
+def entries_of(folder: Path, trials: dict[str, Any]) -> list[dict[str, Any]]:
     """One entry per statement: what it says, how it was checked, and how that went."""
     found: dict[str, Any] = {}
+    for stage in dict.fromkeys(map(inventory.stage, inventory.statements())):
+        found |= record_of(folder / f"{stage}.json")
+    told = ("title", "slides", "cite", "latex")
+    return [
+        {"key": key, **{name: statement[name] for name in told}, **with_trial(found[key], trials.get(key))}
+        for key, statement in inventory.statements().items()
+    ]
+
+
+def gather(folder: Path, measured: Path, out: Path) -> None:
+    """The ledger: the entries of all statements, and how many of each kind of check passed."""
     trials = record_of(measured)
     if unknown := sorted(trials.keys() - inventory.statements().keys()):
         inventory.stop(f"{measured} measures what is not stated: {', '.join(unknown)}.")
-    for key in inventory.statements():
-        group = inventory.stage(key)
-        found |= {} if key in found else record_of(folder / f"{group}.json")
-    entries = []
-    for key, statement in inventory.statements().items():
-        record = with_trial(found[key], trials.get(key))
-        told = {name: statement[name] for name in ("title", "slides", "cite", "latex")}
-        entries.append({"key": key, **told, **record})
+    entries = entries_of(folder, trials)
     tally = {kind: sum(passed(e, kind) for e in entries) for kind in KINDS}
     ledger = {"count": len(entries), "tally": tally, "entries": entries}
     text = json.dumps(ledger, indent=1, ensure_ascii=False)
@@ -185,5 +197,5 @@ def withdraw(reports: Sequence[Path]) -> None:
 
 if __name__ == "__main__":
     task, *paths = sys.argv[1:]
-    tasks: dict[str, Callable[..., None]] = {"gather": gather, "gate": gate, "renew": renew}
+    tasks: dict[str, Callable[..., None]] = {"checked": checked, "gather": gather, "gate": gate, "renew": renew}
     tasks[task](*map(Path, paths))
