@@ -86,16 +86,16 @@ def _refraction_steps() -> list[Any]:
 
 def _share(a: sp.Expr) -> sp.Expr:
     """What comes back of one polarisation. Kept as it is written: sympy would find it to be 1."""
-    return sp.Abs((a - sp.I * q) / (a + sp.I * q), evaluate=False) ** 2
+    return sp.Abs((a - sp.I * _b) / (a + sp.I * _b), evaluate=False) ** 2
 
 
 def _total_steps(it: Equation) -> list[Any]:
-    """i q is the root of what is below 0 under it; numbers and their conjugates have the same modulus."""
-    return [(sp.I * it.where[q]) ** 2 - (eta**2 - 1 + c**2), it.means.doit() - it.equals]
+    """i b is the root of what is below 0 under it; numbers and their conjugates have the same modulus."""
+    return [(sp.I * it.where[_b]) ** 2 - (eta**2 - 1 + c**2), it.means.doit() - it.equals]
 
 
 refracted = raw("c_t", r"c_t", positive=True)  # cosine between refracted light and facet
-q = sp.Symbol("q", positive=True)  # |g| beyond the angle of total reflection, where g is imaginary
+_a, _b = sp.symbols("a_k b_k", positive=True)  # real and imaginary part of g, for any index
 
 with sp.evaluate(False):
     _root = sp.sqrt(eta**2 - 1 + c**2)
@@ -136,7 +136,7 @@ with sp.evaluate(False):
         symbol=raw("F_total", reflectance),
         means=(_share(c) + _share(eta**2 * c)) / 2,
         equals=sp.Integer(1),
-        where={q: sp.sqrt(1 - eta**2 - c**2)},
+        where={_b: sp.sqrt(1 - eta**2 - c**2)},
         computed_by=dielectric,
         within=(0, 0),
         over={c: (1e-6, 0.7), eta: (0.01, 0.7)},
@@ -157,7 +157,6 @@ with sp.evaluate(False):
     )
 
 # a + i b = sqrt((eta + i kappa)^2 - sin^2 theta), the conductor's refracted cosine times its index
-_a, _b = sp.symbols("a_k b_k", positive=True)
 _T = eta**2 - kappa**2 - (1 - c**2)
 _LENGTH = sp.sqrt(_T**2 + 4 * eta**2 * kappa**2)
 _A, _B2 = sp.sqrt((_LENGTH + _T) / 2), (_LENGTH - _T) / 2
