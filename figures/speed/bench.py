@@ -54,8 +54,12 @@ def processor() -> str:
 
 
 def commit() -> str:
-    said = subprocess.run(["git", "describe", "--always", "--dirty"], capture_output=True, text=True, check=False)
-    return said.stdout.strip() or "unknown"
+    """Of the code; the records are no part of it."""
+    return (_git("describe", "--always") or "unknown") + ("-dirty" if _git("status", "--porcelain", "--", ":!records") else "")
+
+
+def _git(*words: str) -> str:
+    return subprocess.run(["git", *words], capture_output=True, text=True, check=False).stdout.strip()
 
 
 # --- timing -----------------------------------------------------------------------------------------------------------------
@@ -104,9 +108,9 @@ def plan_of(call: Callable[[], Any], rounds: int) -> tuple[int, int]:
     return max(1, round(LEAST / once)), min(rounds, max(3, int(MOST / once)))
 
 
-def quantity(name: str, rounds: int, largest: int) -> dict[str, Any]:
+def quantity(name: str, where: dict[str, Any], rounds: int, largest: int) -> dict[str, Any]:
     """What goes on record of one quantity."""
-    kept: dict[str, Any] = {"commit": commit(), "machine": machine(), "rounds": rounds}
+    kept: dict[str, Any] = {**where, "rounds": rounds}
     with tempfile.TemporaryDirectory() as folder, ExitStack() as stay:
         calls, errors = jobs(name, largest), {}
         if name in yardsticks.GUESTS:
@@ -131,13 +135,14 @@ def main() -> None:
     asked = ask.parse_args()
     if unknown := [name for name in asked.names if name not in rivals.QUANTITIES]:
         sys.exit(f"No benchmark {', '.join(unknown)}; there are {', '.join(rivals.QUANTITIES)}.")
+    where = {"commit": commit(), "machine": machine()}  # before the first: afterwards the load would be our own
+    print(f"load {where['machine']['load']:.1f} before", flush=True)
     for name in asked.names or rivals.QUANTITIES:
-        begin, found = time.perf_counter(), quantity(name, asked.rounds, asked.largest)
+        begin, found = time.perf_counter(), quantity(name, where, asked.rounds, asked.largest)
         kept = json.loads(asked.record.read_text("utf-8")) if asked.record.exists() else {}
         asked.record.parent.mkdir(parents=True, exist_ok=True)
         asked.record.write_text(json.dumps({**kept, name: found}, indent=1, sort_keys=True) + "\n", "utf-8")
-        took, load = time.perf_counter() - begin, found["machine"]["load"]
-        print(f"{name}: {len(found['rows'])} methods in {took:.0f} s, load {load:.1f} before", flush=True)
+        print(f"{name}: {len(found['rows'])} methods in {time.perf_counter() - begin:.0f} s", flush=True)
 
 
 if __name__ == "__main__":
