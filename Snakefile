@@ -252,3 +252,4 @@ onstart:
 onerror:
     for form in ("pdf", "html"):
         Path(f"build/report.{form}").unlink(missing_ok=True)
+    build.repeat_failures(log)

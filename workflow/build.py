@@ -47,6 +47,14 @@ def take_turn() -> None:
     held.append(handle)
 
 
+def repeat_failures(logs: Iterable[str]) -> None:
+    """At the end what was said minutes ago: which jobs failed, each with the sentence that says why."""
+    told = "".join(Path(log).read_text("utf-8") for log in logs)
+    for name in dict.fromkeys(re.findall(r"^Logfile (\S+):$", told, re.M)):
+        said = [line for line in Path(name).read_text("utf-8").splitlines() if line.strip()] or ["said nothing"]
+        print(f"{name}: {said[-1] if said[0].startswith('Traceback') else said[0]}", file=sys.stderr)
+
+
 def digest(value: object) -> str:
     text = json.dumps(value, sort_keys=True, ensure_ascii=False)
     return hashlib.sha256(text.encode()).hexdigest()[:16]

@@ -64,7 +64,7 @@ def with_trial(record: dict[str, Any], trial: dict[str, Any] | None) -> dict[str
     if trial is None:
         return record
     failed = trial["status"] == "fail"
-    said = f"{record.get('message') or record['key']}; measured: {trial['detail']}" if failed else record.get("message", "")
+    said = f"{record['message'] or record['key']}; measured: {trial['detail']}" if failed else record["message"]
     verdict = "fail" if failed else record["verdict"]
     return {**record, "verdict": verdict, "message": said, "marks": {**record["marks"], "measured": trial}}
 
@@ -74,13 +74,8 @@ def passed(entry: dict[str, Any], kind: str) -> bool:
 
 
 def complaint(entry: dict[str, Any]) -> str:
-    """Key, error and where, for one failed statement."""
-    lines = [f"  {entry['key']}  ({entry['title']})", f"      {entry.get('message', '')}"]
-    for kind in KINDS:
-        mark = entry["marks"].get(kind, {})
-        if mark.get("status") == "fail":
-            lines.append(f"      {kind}: {mark.get('detail', '')}")
-    return "\n".join(line for line in lines if line.strip())
+    """Title, key, error and where, for one failed statement."""
+    return f"  {entry['title']}\n      {entry['message']}"
 
 
 # What was reached, and whether it still is ------------------------------------------------------

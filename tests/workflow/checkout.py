@@ -54,7 +54,7 @@ class Checkout:
         )  # fmt: skip
 
     def jobs(self, *arguments: str) -> set[str]:
-        """The messages of the jobs that a build did."""
+        """The messages of the jobs that a build did, but for the target itself."""
         done = self.snakemake(*arguments)
-        messages = re.findall(r"^Job \d+: (.*)$", done.stdout, re.M)
+        messages = re.findall(r"^Job [1-9]\d*: (.*)$", done.stdout, re.M)
         return {" ".join(message.split()) for message in messages}

@@ -76,6 +76,7 @@ def test_a_failing_check_stops_the_report_but_not_the_figures(built: Checkout) -
     assert "1 of 3 statements failed" in done.stdout
     assert "visibility.G1" in done.stdout
     assert "off by 1.0e+00" in done.stdout
+    assert "build/logs/checked.log: No report: 1 of 3 statements failed" in done.stdout[-400:]
     assert not built.path(PDF).exists()
     assert not built.path(HTML).exists()
     assert built.path("build/figures/plain.svg").exists()

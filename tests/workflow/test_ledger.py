@@ -16,6 +16,7 @@ ENTRY = {
     "key": "a.b",
     "title": "a statement",
     "verdict": "pass",
+    "message": "",
     "over": "a in [1, 2]",
     "marks": {
         "symbolic": {"status": "pass", "measured": {"claims": 3}},
