@@ -423,7 +423,7 @@ class RandomWalk:
 
     def evaluate(self, wo: Any, wi: Any, walks: int = 256, seed: int = 0) -> Estimate:
         """The BRDF, 1/sr, shapes (..., 3) -> (...): the first bounce exactly, later ones as a mean over so many walks from
-        wo; 0 if either direction is below the horizon."""
+        wo; 0 if either direction is below the horizon. Where hardly any walk finds wi, the error is too small as well."""
         once = self.single.evaluate(wo, wi)
         found = self.connections(wo, wi, walks, seed)[1]
         return Estimate(once + found.value.astype(once.dtype), found.error.astype(once.dtype))
@@ -431,7 +431,7 @@ class RandomWalk:
     def connections(self, wo: Any, wi: Any, walks: int = 256, seed: int = 0) -> tuple[Estimate, Estimate]:
         """The BRDF of the first bounce and that of all later ones, both as means over walks, 1/sr, (..., 3) -> (...).
 
-        Where the BRDF is so small that hardly any walk finds it, the standard errors are too small as well."""
+        Where the BRDF is so small that hardly any walk finds wi, the standard errors are too small as well."""
         wo, wi, count = as_vectors("wo", wo), as_vectors("wi", wi), _many("walks", walks)
         shape = np.broadcast_shapes(wo.shape[:-1], wi.shape[:-1])
         u = np.random.default_rng(seed).random((*shape, 2))
