@@ -66,7 +66,8 @@ rule check:
 
 rule checked:
     input:
-        expand("build/checks/{group}.json", group=build.groups()),
+        checks=expand("build/checks/{group}.json", group=build.groups()),
+        tools=build.tools("ledger.py"),
     output:
         "build/checked",
     priority: 1  # a statement that fails is named within the first minute or two
@@ -104,6 +105,7 @@ rule ledger:
         "build/checked",
         checks=expand("build/checks/{group}.json", group=build.groups()),
         measured="build/measured.json",
+        tools=build.tools("ledger.py"),
     output:
         report("build/ledger.json", category="Checks"),
     params:
@@ -122,6 +124,7 @@ rule gate:
     input:
         ledger="build/ledger.json",
         record="records/ledger.json",
+        tools=build.tools("ledger.py"),
     output:
         "build/gate",
     log:
@@ -201,7 +204,7 @@ rule chapter:
         text="chapters/{chapter}.md",
         data=lambda wildcards: build.chapter_data(wildcards.chapter),
         imports=lambda wildcards: build.chapter_imports(wildcards.chapter),
-        tools=["workflow/chapter.py", "workflow/cells.py", "workflow/filter.lua"],
+        tools=[*build.tools("chapter.py", "cells.py"), "workflow/filter.lua"],
     output:
         markdown="build/chapters/{chapter}.md",
         typst="build/chapters/{chapter}.typ",

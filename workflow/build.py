@@ -9,11 +9,12 @@ import os
 import re
 import shlex
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+import campaign
 import closure
 import inventory
 import provenance
@@ -22,6 +23,7 @@ import report
 ENDINGS = (".svg", ".pdf", ".png")
 TRIALS = Path("lib/microfacet/surface/trials.py")
 LOCK = Path(".snakemake/turn")
+VERSIONS = "requirements.lock"
 held: list[Any] = []
 
 
@@ -89,14 +91,29 @@ def figure(name: str) -> inventory.Figure:
 
 @cache
 def imports(script: Path) -> list[str]:
-    """What a script imports, and the records that any of it names and that there are."""
+    """What a script imports, the versions of all else, and the records that any of it names and that there are."""
     texts = closure.of_script(script)
     named = {
         record
         for text in map(str, [script, *texts])
         for record in re.findall(r"records/\w+\.json", Path(text).read_text("utf-8"))
     }
-    return texts + sorted(record for record in named if Path(record).exists())
+    return [*texts, VERSIONS, *sorted(record for record in named if Path(record).exists())]
+
+
+def tools(*names: str) -> list[str]:
+    """Scripts of the workflow and what they import of it, as inputs: another gate is another verdict."""
+    scripts = [Path("workflow", name) for name in names]
+    read = {path for script in scripts for path in closure.of_script(script) if path.startswith("workflow/")}
+    return sorted({*map(str, scripts), *read})
+
+
+def surfaces_asked_for(config: Mapping[str, Any]) -> tuple[int, int]:
+    """How many surfaces, and how many in a range; refused before anything is built."""
+    count, size = config.get("surfaces", campaign.SURFACES), config.get("range", campaign.RANGE)
+    if not (isinstance(count, int) and isinstance(size, int) and count >= 2 and size >= 1):
+        inventory.stop(f"--config takes surfaces=N, at least 2, and range=N, at least 1; got {count!r} and {size!r}.")
+    return count, size
 
 
 def targets() -> dict[str, list[str]]:
@@ -162,7 +179,7 @@ def chapter_data(stem: str) -> list[str]:
 
 
 def chapter_imports(stem: str) -> list[str]:
-    return sorted(str(path) for path in closure.of_source(text(stem).code))
+    return [*sorted(str(path) for path in closure.of_source(text(stem).code)), VERSIONS]
 
 
 def chapter_names(stem: str) -> str:
@@ -176,8 +193,8 @@ def chapter_names(stem: str) -> str:
 
 def report_tools(form: str) -> list[str]:
     """What sets the report: its script, and what the templates read for this form."""
-    shared = ["report.py", "web.py", "template.typ", "shared.typ", "page.typ", "web.typ"]
-    return [f"workflow/{name}" for name in shared + (["web.css", "web.js"] if form == "html" else [])]
+    shared = ["template.typ", "shared.typ", "page.typ", "web.typ"]
+    return tools("report.py") + [f"workflow/{name}" for name in shared + (["web.css", "web.js"] if form == "html" else [])]
 
 
 def source_options() -> str:

@@ -20,8 +20,6 @@ SURFACES, RANGE = 32, 16
 
 def ranges(count: int, size: int) -> list[tuple[int, int]]:
     """The surfaces 0..count-1 in ranges of `size`, the last one maybe shorter."""
-    if count < 2 or size < 1:
-        raise ValueError(f"there must be at least 2 surfaces and 1 in a range, got {count} and {size}")
     return [(first, min(first + size, count)) for first in range(0, count, size)]
 
 

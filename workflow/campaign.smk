@@ -3,8 +3,7 @@
 # snakemake --config surfaces=400              more surfaces; those that were measured already are kept
 # snakemake --config surfaces=400 range=50     in larger portions; the numbers stay the same
 
-SURFACES = int(config.get("surfaces", campaign.SURFACES))
-RANGE = int(config.get("range", campaign.RANGE))
+SURFACES, RANGE = build.surfaces_asked_for(config)
 
 
 wildcard_constraints:

@@ -18,6 +18,7 @@ from typing import Any
 
 import inventory
 
+RECORDS = Path("records")  # kept in git; all other records are made by the build
 KINDS = ("symbolic", "enclosed", "numeric", "measured")
 
 
@@ -25,11 +26,14 @@ def record_of(path: Path) -> dict[str, Any]:
     try:
         return dict(json.loads(path.read_text("utf-8")))
     except (OSError, ValueError):
-        inventory.stop(f"The record {path} is torn: remove it, and snakemake will make it again.")
+        remedy = (
+            f"`git checkout {path}` brings it back" if path.parent == RECORDS else "remove it, and snakemake makes it again"
+        )
+        inventory.stop(f"The record {path} is missing or torn: {remedy}.")
 
 
 def checked(folder: Path, out: Path, *reports: Path) -> None:
-    """What failed is said before anything is measured on surfaces, which takes minutes."""
+    """What failed is said at once: the ledger waits for what is measured on surfaces, which takes minutes."""
     entries = entries_of(folder, {})
     refuse_failures(entries, reports)
     inventory.write_atomically(out, f"{len(entries)} statements passed their checks\n")

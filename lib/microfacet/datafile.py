@@ -28,7 +28,7 @@ def store(path: str, **arrays: ArrayLike) -> None:
     given = {name: np.asarray(values) for name, values in arrays.items()}
     target = Path(path)
     target.parent.mkdir(parents=True, exist_ok=True)
-    part = target.with_name(target.name + ".part")
+    part = target.with_name(f"{target.name}.{os.getpid()}")
     with part.open("wb") as file:
         np.savez(file, allow_pickle=False, **given, **{SEAL: np.array(seal(given))})
     os.replace(part, target)

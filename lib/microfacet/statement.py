@@ -13,6 +13,7 @@ import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cache, cached_property
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
@@ -349,9 +350,17 @@ equations = Equations()
 
 @cache
 def _checker() -> str:
-    """The text of what carries out the checks."""
+    """The text of what carries out the checks, and the versions of what it relies on."""
     folder = Path(__file__).parent
-    return "\n".join((folder / f"{name}.py").read_text() for name in ("statement", "checks", "balls", "kernels", "notation"))
+    texts = [(folder / f"{name}.py").read_text() for name in ("statement", "checks", "balls", "kernels", "notation")]
+    return "\n".join([*texts, sys.version, *map(_version, ("numpy", "numba", "sympy", "mpmath", "python-flint"))])
+
+
+def _version(name: str) -> str:
+    try:
+        return f"{name} {version(name)}"
+    except PackageNotFoundError:
+        return f"no {name}"
 
 
 def _content(thing: Any, seen: set[int]) -> list[str]:

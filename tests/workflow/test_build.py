@@ -152,29 +152,63 @@ def test_a_torn_record_is_one_sentence(built: Checkout) -> None:
     built.path("build/checks/geometry.json").write_text('{"key": ')
     built.path("build/ledger.json").unlink()
     done = built.snakemake("build/ledger.json")
-    assert "The record build/checks/geometry.json is torn" in done.stdout
+    assert "The record build/checks/geometry.json is missing or torn: remove it" in done.stdout
     built.path("build/checks/geometry.json").unlink()
     assert built.snakemake().returncode == 0
 
 
-@pytest.mark.slow
-def test_two_checkouts_give_the_same_bytes(built: Checkout, small: Checkout) -> None:
-    for name in ("lib", "figures", "chapters"):
+@pytest.mark.parametrize("config", ["surfaces=1", "range=0", "surfaces=many"])
+def test_a_campaign_that_cannot_be_is_one_sentence(built: Checkout, config: str) -> None:
+    done = built.snakemake("--config", config)
+    assert done.returncode != 0
+    assert "--config takes surfaces=N, at least 2, and range=N, at least 1; got" in done.stdout
+    assert "Traceback" not in done.stdout
+
+
+def test_another_gate_is_another_verdict(built: Checkout) -> None:
+    built.edit("workflow/ledger.py", "SLACK = 1.25", "SLACK = 1.26")
+    gate = {"checked no statement failed", "ledger build/ledger.json", "gate no statement failed or got worse"}
+    assert gate <= built.jobs()
+
+
+def test_other_versions_of_what_is_installed_redo_what_was_computed_with_it(built: Checkout) -> None:
+    built.edit("requirements.lock", "numba==", "numba === ")
+    assert {"data masking", "figure masking", "chapter 1_visibility"} <= built.jobs("-n")
+    built.edit("requirements.lock", "numba === ", "numba==")
+
+
+def same_bytes(one: Checkout, other: Checkout) -> bool:
+    drawn = [f"build/figures/masking.{ending}" for ending in ("svg", "pdf", "png")]
+    return all(one.path(name).read_bytes() == other.path(name).read_bytes() for name in (PDF, HTML, *drawn))
+
+
+def take_over(built: Checkout, small: Checkout) -> None:
+    """What the tests before this one have made of the sources."""
+    for name in ("lib", "figures", "chapters", "workflow"):
         subprocess.run(["cp", "-R", str(built.path(name)), str(small.root)], check=True)
+
+
+def test_two_checkouts_give_the_same_bytes(built: Checkout, small: Checkout) -> None:
+    assert built.snakemake().returncode == 0
+    take_over(built, small)
     assert small.snakemake().returncode == 0
-    for name in (PDF, HTML, "build/figures/masking.svg", "build/figures/masking.pdf", "build/figures/masking.png"):
-        assert small.path(name).read_bytes() == built.path(name).read_bytes(), name
+    assert same_bytes(small, built)
 
 
-@pytest.mark.slow
-def test_a_killed_build_resumes(small: Checkout) -> None:
+@pytest.mark.parametrize("orphans", [False, True], ids=["with its jobs", "alone"])
+@pytest.mark.parametrize("moment", ["build/checks/geometry.json", "build/ledger.json"])
+def test_a_killed_build_resumes_and_ends_in_the_same_report(
+    built: Checkout, small: Checkout, moment: str, orphans: bool
+) -> None:
+    assert built.snakemake().returncode == 0
+    take_over(built, small)
     command = [sys.executable, "-m", "snakemake", "--cores", "2"]
     process = subprocess.Popen(command, cwd=small.root, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                                start_new_session=True)  # fmt: skip
-    while not small.path("build/ledger.json").exists():
+    while not small.path(moment).exists():
         time.sleep(0.05)
-    os.killpg(process.pid, signal.SIGKILL)
+    (os.kill if orphans else os.killpg)(process.pid, signal.SIGKILL)
     process.wait()
     done = small.snakemake()
     assert done.returncode == 0, done.stdout
-    assert small.path(PDF).exists()
+    assert same_bytes(small, built)
