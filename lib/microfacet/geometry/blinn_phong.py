@@ -105,33 +105,33 @@ REACH = 3.8  # they span (-REACH, REACH)
 HALF_PI = 1.5707963267948966
 
 
-def overlap(u: float, n: float) -> float:
-    """H(u, n) by the trapezoidal rule after v = s exp(pi/2 sinh w), which decays doubly exponentially at both ends."""
+def overlap(w: float, n: float) -> float:
+    """H(w, n) by the trapezoidal rule after v = s exp(pi/2 sinh t), which decays doubly exponentially at both ends."""
     power = 0.5 * (n + 3.0)
-    middle = 2.0 / (power * u + sqrt(power))
+    middle = 2.0 / (power * w + sqrt(power))
     step = 2.0 * REACH / (STEPS - 1.0)
     total = 0.0
     for k in range(STEPS):
-        w = k * step - REACH
-        v = middle * exp(HALF_PI * sinh(w))
-        total += cosh(w) * (v * v) * exp(-power * log1p(v * (2.0 * u + v)))
+        t = k * step - REACH
+        v = middle * exp(HALF_PI * sinh(t))
+        total += cosh(t) * (v * v) * exp(-power * log1p(v * (2.0 * w + v)))
     return total * step * HALF_PI
 
 
-v = sp.Symbol("v", positive=True)
+v, w = sp.symbols("v w", positive=True)
 c = sp.Symbol("c", positive=True)  # the cotangent of the view angle
 
 with sp.evaluate(False):
     H = Equation(
         key="visibility.blinn_phong.H",
         title="overlap integral of Student's t distribution",
-        symbol=sp.Function("H")(u, n),
-        means=sp.Integral(v * (1 + 2 * u * v + v**2) ** (-(n + 3) / 2), (v, 0, sp.oo)),
-        equals=sp.hyper([2, n + 1], [(n + 4) / 2], (1 - u) / 2) / ((n + 1) * (n + 2)),
+        symbol=sp.Function("H")(w, n),
+        means=sp.Integral(v * (1 + 2 * w * v + v**2) ** (-(n + 3) / 2), (v, 0, sp.oo)),
+        equals=sp.hyper([2, n + 1], [(n + 4) / 2], (1 - w) / 2) / ((n + 1) * (n + 2)),
         computed_by=overlap,
-        over={u: (0, 1), n: EXPONENT},
+        over={w: (0, 1), n: EXPONENT},
         enclosed=lambda it: balls.agreement(
-            _overlap_folded(), it.equals, (u, n), [(0.0, 0.5), (1.0, 0.5), (0.3, 1.0), (0.0, 10.0), (0.9, 10.0), (0.0, 1e3)]
+            _overlap_folded(), it.equals, (w, n), [(0.0, 0.5), (1.0, 0.5), (0.3, 1.0), (0.0, 10.0), (0.9, 10.0), (0.0, 1e3)]
         ),
         proof=lambda: _overlap_steps(),
         proved_by="Gradshteyn and Ryzhik 3.252.10, checked against the integral at 50 digits",
@@ -142,7 +142,7 @@ with sp.evaluate(False):
 
 def _overlap_folded() -> sp.Expr:
     """The integral up to 1, and beyond it over 1/v."""
-    base = 1 + 2 * u * v + v**2
+    base = 1 + 2 * w * v + v**2
     return sp.Integral(v * base ** (-(n + 3) / 2), (v, 0, 1)) + sp.Integral(v**n * base ** (-(n + 3) / 2), (v, 0, 1))
 
 
@@ -198,7 +198,7 @@ def _hidden_folded(it: Equation) -> sp.Expr:
 
 
 def _substitution_steps() -> list[Any]:
-    """q = c + sqrt(1+c^2) v turns 1+q^2 into (1+c^2)(1+2uv+v^2), u = c/sqrt(1+c^2), and q-c into sqrt(1+c^2) v."""
+    """q = c + sqrt(1+c^2) v turns 1+q^2 into (1+c^2)(1+2wv+v^2), w = c/sqrt(1+c^2), and q-c into sqrt(1+c^2) v."""
     s = sp.sqrt(1 + c**2)
     moved = c + s * v
     kernel = s**2 * (1 + 2 * c / s * v + v**2)
