@@ -4,7 +4,8 @@ For a metal like silver, seen from $0$ to $80^\circ$: the cheapest model whose e
 Left to right: errors of the albedo, of the lobe, and of spheres in a picture. Above, GGX, relative to Smith's random walk
 with exact Fresnel reflectance; below, Gaussian slopes, relative to ray-traced surfaces. Below the black line single
 scattering is not enough, whichever form it takes. Ticks at the top: roughnesses that were measured; between them errors
-are interpolated. In the white part at the bottom no model is known to be enough.
+are interpolated. Grey: the cheapest is a model of GGX, with or without energy put back. In the white part at the bottom
+no model is known to be enough.
 """
 
 import sys

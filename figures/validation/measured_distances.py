@@ -1,4 +1,4 @@
-r"""By the shape of its lobe Smith's model is nearer to a Gaussian surface; by the albedo, on rough surfaces, V-cavities are.
+r"""By the lobe's shape Smith's model is nearer to a Gaussian surface; by the albedo, on rough ones at a slant, V-cavities are.
 
 Above, total variation between the shapes of the measured lobe after one reflection and of each model's, over the angle
 of the view; what noise alone would give is grey. Below, the model's albedo less the measured one. Bars are two standard
