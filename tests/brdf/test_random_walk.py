@@ -248,8 +248,20 @@ def test_wrong_arguments_are_named() -> None:
             WALKS[0].albedo_by_bounce(UP, wrong)
     with pytest.raises(ValueError, match=r"u must lie in \[0, 1\)"):
         WALKS[0].sample(UP, [0.5, 1.0])
+    for wrong in (-1, 0.5, "x"):
+        for call in (lambda s: WALKS[0].albedo(UP, 16, s), lambda s: WALKS[0].evaluate(UP, UP, 16, s)):
+            with pytest.raises(ValueError, match="seed must be a whole number of at least 0, got"):
+                call(wrong)
     with pytest.raises(ValueError, match="orders must be a whole number"):
         WALKS[0].albedo_by_bounce(UP, 16, orders=0)
+
+
+def test_the_error_covers_light_that_is_still_under_way() -> None:
+    """Of so rough a surface hardly any walk ends, and yet all light comes back."""
+    rough = mf.RandomWalk(mf.Smith(mf.GGX(1e3)))
+    assert rough.albedo_by_bounce(VIEWS[1], 50).under_way > 0.9
+    value, error = rough.albedo(VIEWS[1], 50)
+    assert abs(value - 1) <= error
 
 
 def test_the_walks_need_their_longest() -> None:

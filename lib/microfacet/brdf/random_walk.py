@@ -18,7 +18,7 @@ import sympy as sp
 
 from microfacet import balls
 from microfacet.brdf.specular import D_h, Microfacet, mu
-from microfacet.directions import as_vectors
+from microfacet.directions import as_uniform, as_vectors
 from microfacet.geometry import ggx
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
@@ -398,7 +398,8 @@ class RandomWalk:
 
     model: such a model. fresnel: the reflectance of a facet (None: F = 1); what a facet does not reflect is lost, as in a
     conductor. Facets are mirrors and light takes straight rays. Results are means over random walks, with standard errors;
-    they depend on the seed, not on the number of threads. ValueError for other models and for numbers of walks below 2.
+    they depend on the seed, not on the number of threads. ValueError for other models, for numbers of walks below 2 and for
+    seeds that are no whole numbers from 0.
     """
 
     def __init__(self, model: Smith, fresnel: Fresnel | None = None) -> None:
@@ -415,7 +416,7 @@ class RandomWalk:
         weighs (...), which is the product of all reflectances, and the number of bounces (...), for wo (..., 3) and u
         (..., 2) in [0, 1). u names the walk: all its random numbers are drawn from a stream that u starts.
         Zero vectors of weight and bounces 0 where wo is below the horizon, and weight 0 after `LONGEST` bounces."""
-        wo, u = as_vectors("wo", wo), _in_unit_interval("u", as_vectors("u", u, 2))
+        wo, u = as_vectors("wo", wo), as_uniform("u", u)
         found = self._walked(wo, u)
         wi, weight, bounces = found[..., :3], found[..., 3], found[..., 4]
         real = np.float32 if wo.dtype == u.dtype == np.float32 else np.float64
@@ -434,18 +435,20 @@ class RandomWalk:
         Where the BRDF is so small that hardly any walk finds wi, the standard errors are too small as well."""
         wo, wi, count = as_vectors("wo", wo), as_vectors("wi", wi), _many("walks", walks)
         shape = np.broadcast_shapes(wo.shape[:-1], wi.shape[:-1])
-        u = np.random.default_rng(seed).random((*shape, 2))
+        u = np.random.default_rng(_many("seed", seed, 0)).random((*shape, 2))
         rule = connections(type(self.model.ndf).kernel, *self._kernels)
         found = rule([wo.astype(float), wi.astype(float), u], (*self.parameters, (float(count),)))
         squares = np.maximum(found[..., 2:] - found[..., :2] ** 2, 0) / (count - 1)
         return tuple(Estimate(found[..., k], np.sqrt(squares[..., k])) for k in (0, 1))  # type: ignore[return-value]
 
     def albedo(self, wo: Any, walks: int = 65536, seed: int = 0) -> Estimate:
-        """Share of light from wo (..., 3) that is reflected (...): the first bounce by quadrature, later ones by walks."""
+        """Share of light from wo (..., 3) that is reflected (...): the first bounce by quadrature, later ones by walks.
+
+        Light still under way after `LONGEST` bounces is not in the value. It may yet leave, and is added to the error."""
         once, error = self.single.albedo_with_error(wo)
         _, later = self._sums(wo, walks, seed, 1)
         mean, scatter = _mean(*later, walks)
-        return Estimate(once + mean[..., 0], np.hypot(error, scatter[..., 0]))
+        return Estimate(once + mean[..., 0], np.hypot(error, scatter[..., 0]) + mean[..., 1])
 
     def albedo_by_bounce(self, wo: Any, walks: int = 65536, seed: int = 0, orders: int = 6) -> Bounces:
         """Shares of light from wo (..., 3) that leave after 1, 2, ..., `orders` bounces, from so many walks for each wo."""
@@ -456,7 +459,7 @@ class RandomWalk:
 
     def _sums(self, wo: Any, walks: int, seed: int, orders: int) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
         """Sums over walks of weights and of their squares: by bounces up to `orders`; of more, and of what is under way."""
-        wo, count = as_vectors("wo", wo).astype(float), _many("walks", walks)
+        wo, count, seed = as_vectors("wo", wo).astype(float), _many("walks", walks), _many("seed", seed, 0)
         rows = wo.reshape(-1, 3)
         sums = np.zeros((2, len(rows), orders + 3))
         step = max(1, AT_ONCE // max(len(rows), 1))
@@ -484,13 +487,6 @@ def _many(name: str, number: Any, least: int = 2) -> int:
     if isinstance(number, bool) or not isinstance(number, int | np.integer) or number < least:
         raise ValueError(f"{name} must be a whole number of at least {least}, got {number!r}")
     return int(number)
-
-
-def _in_unit_interval(name: str, array: np.ndarray) -> np.ndarray:
-    """The argument if all its numbers lie in [0, 1); otherwise a ValueError that names it."""
-    if array.size and not (array.min() >= 0 and array.max() < 1):
-        raise ValueError(f"{name} must lie in [0, 1), got {array.min()} to {array.max()}")
-    return array
 
 
 def _mean(total: Any, squares: Any, walks: int) -> tuple[Any, Any]:
