@@ -42,8 +42,53 @@ def test_the_table_is_the_albedo(single: mf.Microfacet) -> None:
     brdf, wo, wi = mf.Compensated(single), hemisphere(200, 1), hemisphere(200, 2)
     lacking = (1 - single.albedo(wo)) * (1 - single.albedo(wi))
     factor = np.pi * (1 - brdf.mean_albedo)
-    added = (brdf.evaluate(wo, wi) - single.evaluate(wo, wi)) * factor
-    np.testing.assert_allclose(added, lacking, atol=2e-5, rtol=1e-9)
+    lobe = (brdf.evaluate(wo, wi) - single.evaluate(wo, wi)) * factor
+    np.testing.assert_allclose(lobe, lacking, atol=2e-5, rtol=1e-9)
+
+
+EQUAL = [(alpha, alpha) for alpha in (1e-8, 1e-6, 1e-4, 1e-3, 0.03, 1.0, 30.0, 1e3)]
+STRETCHED = [(1e-8, 4e-8), (1e-4, 1e-3), (0.1, 0.5), (1.0, 0.01)]
+
+
+def added(brdf: mf.Compensated, wo: np.ndarray) -> float:
+    """The albedo of the lobe alone, by a rule that resolves cosines of any size."""
+    t, w = np.polynomial.legendre.leggauss(96)
+    v, turn = 5 * (t[:, None] + 1) / 2, 2 * np.pi * (np.arange(128) + 0.37) / 128
+    wi = spherical(np.arctan(np.sqrt(np.expm1(2 * v * v))), turn)
+    light = (brdf.evaluate(wo, wi) - brdf.brdf.evaluate(wo, wi)) * wi[..., 2] ** 2
+    return float(np.sum(light * w[:, None] * v) * 10 * np.pi / 128)
+
+
+@pytest.mark.parametrize("alphas", EQUAL + STRETCHED, ids=str)
+def test_the_lobe_holds_what_is_missing_at_every_roughness(alphas: tuple[float, float]) -> None:
+    """No light is created where hardly any is missing: 1 - E is 1e-16 at the smallest roughness."""
+    single = mf.Microfacet(mf.Smith(mf.GGX(*alphas)))
+    brdf, allowed = mf.Compensated(single), 5e-4 if alphas in STRETCHED else 1e-4
+    for wo in (*views(0, 37, 80, azimuth=0.3), spherical(np.pi / 2 - alphas[1] / (1 + alphas[1]) ** 2)):
+        assert added(brdf, wo) == pytest.approx(1 - float(single.albedo(wo)), abs=allowed)
+    assert added(brdf, views(37)[0]) < 1 - single.albedo(views(37)[0]) + allowed * min(1, 1e3 * max(alphas))
+
+
+@pytest.mark.parametrize("alphas", EQUAL + STRETCHED, ids=str)
+def test_one_bounce_is_made_brighter_by_what_its_albedo_lacks(alphas: tuple[float, float]) -> None:
+    """Which makes the albedo 1, also where one bounce keeps a billionth of the light."""
+    single = mf.Microfacet(mf.Smith(mf.GGX(*alphas)))
+    wo = views(0, 37, 80, 89)
+    brighter = mf.Compensated(single, "scaled").evaluate(wo, wo * [-1, -1, 1]) / single.evaluate(wo, wo * [-1, -1, 1])
+    np.testing.assert_allclose(brighter * single.albedo(wo), 1, atol=5e-3 if max(alphas) > 10 else 1e-3)
+
+
+def test_models_that_create_light_are_refused() -> None:
+    for form in FORMS:
+        with pytest.raises(ValueError, match="a model that reflects more light than it gets cannot be compensated"):
+            mf.Compensated(mf.Microfacet(mf.SchlickSmith(mf.GGX(1.0), k=1e-3)), form)
+
+
+def test_scaling_is_refused_where_the_albedo_is_not_known_well_enough() -> None:
+    rough = mf.Microfacet(mf.Smith(mf.GGX(30.0, 3.0)))
+    with pytest.raises(ValueError, match=r"the albedo of Smith.* is known to .* % only, too little to divide by it"):
+        mf.Compensated(rough, "scaled")
+    assert (mf.Compensated(rough).evaluate(VIEWS, UP) > 0).all()
 
 
 def test_mean_albedo_at_the_exact_point() -> None:
