@@ -146,6 +146,15 @@ def test_out_that_does_not_fit(out: Any, found: str) -> None:
         MANY([rows, s], (0.3,), out)
 
 
+def test_out_that_is_read_only_stays_as_it_is() -> None:
+    rows, s = arguments(20)
+    out = np.zeros(20)
+    out.flags.writeable = False
+    with pytest.raises(ValueError, match="out must be writeable, got a read-only array"):
+        MANY([rows, s], (0.3,), out)
+    assert not out.any()
+
+
 def test_out_may_not_overlap_an_argument() -> None:
     """The loop would read what it has written."""
     memory = np.ones(60)

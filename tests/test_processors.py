@@ -48,3 +48,9 @@ def test_the_number_of_threads_can_be_set(monkeypatch: pytest.MonkeyPatch) -> No
     assert threads() == 7
     monkeypatch.delenv("MICROFACET_THREADS")
     assert threads() >= 1
+
+
+def test_a_number_of_threads_that_is_none_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("MICROFACET_THREADS", "abc")
+    with pytest.raises(ValueError, match="MICROFACET_THREADS must be a whole number, got 'abc'"):
+        threads()

@@ -488,6 +488,8 @@ def _result(out: np.ndarray | None, shape: tuple[int, ...], real: type, inputs: 
     if not isinstance(out, np.ndarray) or out.shape != shape or out.dtype != real or not out.flags.c_contiguous:
         kind = f"{out.dtype} {out.shape}" if isinstance(out, np.ndarray) else type(out).__name__
         raise ValueError(f"out must be a C-contiguous {np.dtype(real).name} array of shape {shape}, got {kind}")
+    if not out.flags.writeable:
+        raise ValueError("out must be writeable, got a read-only array")
     if any(np.may_share_memory(out, array) for array in inputs):
         raise ValueError("out must not overlap an argument")
     return out

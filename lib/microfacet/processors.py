@@ -10,9 +10,15 @@ from typing import Any
 
 
 def threads() -> int:
-    """How many threads a large array is shared among: $MICROFACET_THREADS, else the processors this process may use."""
+    """How many threads a large array is shared among: $MICROFACET_THREADS, else the processors this process may use.
+
+    ValueError if that variable is no whole number.
+    """
     chosen = os.environ.get("MICROFACET_THREADS")
-    return max(1, int(chosen)) if chosen else len(os.sched_getaffinity(0))
+    try:
+        return max(1, int(chosen)) if chosen else len(os.sched_getaffinity(0))
+    except ValueError:
+        raise ValueError(f"MICROFACET_THREADS must be a whole number, got {chosen!r}") from None
 
 
 def share(work: Callable[..., Any], jobs: Sequence[Iterable[Any]]) -> list[Any]:
