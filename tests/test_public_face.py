@@ -14,6 +14,7 @@ import microfacet as mf
 import numpy as np
 import pytest
 from microfacet import directions
+from microfacet.validation import trust
 from samples import hemisphere, uniform
 
 LIBRARY = Path(__file__).parent.parent / "lib"
@@ -158,7 +159,9 @@ def test_uniform_numbers_lie_below_one(wrong: float) -> None:
 
 
 @pytest.mark.parametrize("kind", [mf.GGX, mf.Beckmann, mf.Ward])
-@pytest.mark.parametrize("wrong", [0, -0.1, np.nan, np.inf, "rough", None, [0.1, 0.2]])
+@pytest.mark.parametrize(
+    "wrong", [0, -0.1, np.nan, np.inf, "rough", "0.3", True, np.True_, 1j, None, [0.1, 0.2], np.array([0.3])]
+)
 def test_roughness_that_is_none(kind: type, wrong: Any) -> None:
     """An alpha of 0 would divide by 0 later, in a kernel."""
     with pytest.raises(ValueError, match=r"alpha_x must be .*got") as raised:
@@ -167,6 +170,38 @@ def test_roughness_that_is_none(kind: type, wrong: Any) -> None:
     if wrong is not None:
         with pytest.raises(ValueError, match=r"alpha_y must be .*got"):
             kind(0.3, wrong)
+
+
+@pytest.mark.parametrize("kind", [mf.GGX, mf.Beckmann, mf.Ward])
+def test_roughness_out_of_its_limits(kind: type) -> None:
+    for wrong in (1e-320, 1e-12, 1e12, 1e160):
+        with pytest.raises(ValueError, match=r"alpha_x must lie between 1e-11 and 1e\+11, got"):
+            kind(wrong)
+        with pytest.raises(ValueError, match=r"alpha_y must lie between 1e-11 and 1e\+11, got"):
+            kind(0.3, wrong)
+    with pytest.raises(ValueError, match="alpha_x must be a finite number above 0, got inf"):
+        kind(10**400)
+
+
+@pytest.mark.parametrize("real", [np.float64, np.float32])
+@pytest.mark.parametrize("kind", [mf.GGX, mf.Beckmann, mf.Ward])
+def test_at_the_limits_of_roughness_all_are_numbers(kind: type, real: type) -> None:
+    """From 1e-12 beside the pole to 1e-12 above the horizon; what single precision cannot hold may be infinite."""
+    grid = trust.directions(real, np.logspace(-12, 12, 25))
+    last = np.nextafter(real(1), real(0))
+    u = np.array([(a, b) for a in (0, 0.3, last) for b in (0, 0.3, last)], real)
+    for pair in itertools.product((*directions.ALPHA_LIMITS, 1.0), repeat=2):
+        ndf = kind(*pair)
+        assert np.isfinite(ndf.D(grid)).all()
+        assert np.isfinite(ndf.sample(u)).all()
+        assert not np.isnan(ndf.pdf(ndf.sample(u))).any()
+        brdfs = [mf.Microfacet(mf.Smith(ndf)), mf.Microfacet(mf.VCavity(ndf))] if kind is not mf.Ward else []
+        for brdf in brdfs:
+            wi = brdf.sample(grid[:, None], u)
+            assert np.isfinite(wi).all()
+            for there in (wi, grid[None], (grid * np.array([-1, -1, 1], real))[None]):
+                assert not np.isnan(brdf.evaluate(grid[:, None], there)).any()
+                assert not np.isnan(brdf.pdf(grid[:, None], there)).any()
 
 
 @pytest.mark.parametrize("kind", [mf.BlinnPhong, mf.NormalizedBlinnPhong])
@@ -186,6 +221,8 @@ def test_a_distribution_is_wanted(kind: type, wrong: Any) -> None:
 def test_other_wrong_parameters() -> None:
     with pytest.raises(ValueError, match="correlation must be one of height, none, direction, height-direction, got 'full'"):
         mf.Smith(NDF, "full")
+    with pytest.raises(ValueError, match=r"correlation must be one of height, .*, got \['height'\]"):
+        mf.Smith(NDF, ["height"])  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="k must be a finite number above 0, got 0"):
         mf.SchlickSmith(NDF, k=0)
     with pytest.raises(AttributeError, match="microfacet has no 'GXX'; it has Beckmann, "):

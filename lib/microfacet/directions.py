@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 _PRECISIONS = (np.dtype(np.float64), np.dtype(np.float32))
+ALPHA_LIMITS = (1e-11, 1e11)  # within, D, masking, densities and samples are numbers in both precisions; at 1e12 not all are
 
 
 def spherical(theta: Any, phi: Any = 0.0) -> np.ndarray:
@@ -69,12 +71,12 @@ def as_uniform(name: str, values: Any) -> np.ndarray:
 
 
 def _floats(name: str, values: Any, width: int = 0) -> np.ndarray:
-    """Real numbers in single or double precision; text and complex numbers are none."""
+    """Real numbers in single or double precision; text, complex numbers and masked elements are none."""
     try:
-        array = np.asarray(values)
+        array = _unmasked(values)
         if array.dtype in _PRECISIONS:
             return array
-        if array.dtype.kind not in "biufO":
+        if array.dtype.kind not in "biufO" or values is None:  # NumPy would make NaN of None
             raise TypeError
         return array.astype(np.float64)
     except (TypeError, ValueError):
@@ -82,15 +84,61 @@ def _floats(name: str, values: Any, width: int = 0) -> np.ndarray:
         raise ValueError(f"{name} must be an array of numbers{shape}, got {values!r}") from None
 
 
+def _unmasked(values: Any) -> np.ndarray:
+    """The argument as an array; TypeError if an element is masked."""
+    if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
+        raise TypeError
+    return np.asarray(values)
+
+
 def positive(name: str, value: Any) -> float:
     """The argument as a finite float above 0; anything else is a ValueError that names it."""
     try:
-        number = float(value)
+        number = real_number(value)
     except (TypeError, ValueError):
         raise ValueError(f"{name} must be a number above 0, got {value!r}") from None
     if not 0 < number < math.inf:
         raise ValueError(f"{name} must be a finite number above 0, got {number}")
     return number
+
+
+def within(name: str, value: Any, limits: tuple[float, float]) -> float:
+    """The argument as a float between the limits, both above 0; anything else is a ValueError that names it."""
+    number, (low, high) = positive(name, value), limits
+    if not low <= number <= high:
+        raise ValueError(f"{name} must lie between {low:g} and {high:g}, got {number:g}")
+    return number
+
+
+def roughness(name: str, value: Any) -> float:
+    """The argument as a float within `ALPHA_LIMITS`; anything else is a ValueError that names it."""
+    return within(name, value, ALPHA_LIMITS)
+
+
+def whole(name: str, value: Any, least: int) -> int:
+    """The argument as a whole number that is large enough; anything else is a ValueError that names it."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
+        raise ValueError(f"{name} must be a whole number of at least {least}, got {value!r}")
+    return int(value)
+
+
+def one_of(name: str, value: Any, known: Iterable[str]) -> str:
+    """The argument if it is one of the known words; anything else is a ValueError that names it and them."""
+    words = tuple(known)
+    if not (isinstance(value, str) and value in words):
+        raise ValueError(f"{name} must be one of {', '.join(words)}, got {value!r}")
+    return value
+
+
+def real_number(value: Any) -> float:
+    """One real number, infinite if too large for a float; TypeError or ValueError for text, truth values and arrays."""
+    array = _unmasked(value)
+    if array.ndim or array.dtype.kind not in "iufO":
+        raise TypeError
+    try:
+        return float(array[()])
+    except OverflowError:
+        return math.inf
 
 
 def reflect(wo: Any, wm: Any) -> np.ndarray:

@@ -58,7 +58,7 @@ def test_the_inverse_of_a_square_loses_next_to_nothing() -> None:
 
 
 @pytest.mark.parametrize("real", [np.float64, np.float32])
-@pytest.mark.parametrize("alpha", [1e-12, 9e-11, 2e-10, 9e9, 2e10, 1e12])
+@pytest.mark.parametrize("alpha", [1e-11, 9e-11, 2e-10, 9e9, 2e10, 1e11])
 def test_extreme_roughness_overflows_nowhere(alpha: float, real: type) -> None:
     """Upright half vectors, on both sides of where a roughness is scaled before it is squared."""
     theta = np.array([0.0, 0.3])

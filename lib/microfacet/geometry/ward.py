@@ -8,7 +8,7 @@ import sympy as sp
 
 from microfacet import balls
 from microfacet.arithmetic import exp_minus_squares
-from microfacet.directions import positive
+from microfacet.directions import roughness
 from microfacet.geometry.beckmann import FAR, PI, ROUGHNESSES, compensated_P22, kernel_sample
 from microfacet.geometry.ggx import ROUGHNESS
 from microfacet.geometry.slopes import Distribution, normals_integral
@@ -70,7 +70,7 @@ def _substitution_steps() -> list[Any]:
 
 
 class Ward(Distribution):
-    """Ward's distribution with roughness alpha_x, alpha_y (equal if omitted), both above 0. ward1992."""
+    """Ward's distribution with roughness alpha_x, alpha_y (equal if omitted), from 1e-11 to 1e11. ward1992."""
 
     kernel = staticmethod(packed(compensated_D, 3, 2))
     sample_kernel = staticmethod(kernel_sample)
@@ -78,7 +78,7 @@ class Ward(Distribution):
     reach = 6.5
 
     def __init__(self, alpha_x: float, alpha_y: float | None = None) -> None:
-        self.alpha_x = positive("alpha_x", alpha_x)
-        self.alpha_y = self.alpha_x if alpha_y is None else positive("alpha_y", alpha_y)
+        self.alpha_x = roughness("alpha_x", alpha_x)
+        self.alpha_y = self.alpha_x if alpha_y is None else roughness("alpha_y", alpha_y)
         self.parameters = self.scale = (self.alpha_x, self.alpha_y)
         self.radial = self.alpha_x == self.alpha_y

@@ -10,6 +10,7 @@ from typing import Any
 import sympy as sp
 
 from microfacet import balls
+from microfacet.directions import one_of
 from microfacet.geometry import beckmann, ggx
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX, ROUGHNESS
@@ -354,9 +355,7 @@ class Smith(Masking):
 
     def __init__(self, ndf: Distribution, correlation: str = "height") -> None:
         super().__init__(ndf)
-        if correlation not in JOINT:
-            raise ValueError(f"correlation must be one of {', '.join(JOINT)}, got {correlation!r}")
-        self.correlation = correlation
+        self.correlation = one_of("correlation", correlation, JOINT)
         self.parameters = (ndf.parameters, ndf.scale)
         self.view_kernel = view_of(ndf)
         self.masked_kernel = masked
