@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from microfacet.material import fresnel
 
 COSINES = st.floats(1e-6, 1)
 INDEX = st.floats(0.1, 4)
@@ -72,7 +73,7 @@ def test_equal_indices_reflect_nothing() -> None:
 
 def test_a_conductor_that_absorbs_nothing_is_a_dielectric() -> None:
     c = np.linspace(0.01, 1, 50)
-    np.testing.assert_allclose(mf.Conductor(1.5, 1e-12).F(c), mf.Dielectric(1.5).F(c), rtol=1e-9)
+    np.testing.assert_allclose(mf.Conductor(1.5, 1e-10).F(c), mf.Dielectric(1.5).F(c), rtol=1e-9)
 
 
 def test_schlick_meets_fresnel_at_both_ends() -> None:
@@ -106,6 +107,23 @@ def test_cosines_outside_their_range(wrong: object) -> None:
         mf.Schlick(0.5).F(wrong)
 
 
+@pytest.mark.parametrize("wrong", [1j, "a", None, np.ma.masked, np.ma.array([0.5, 0.5], mask=[False, True])])
+def test_cosines_are_real_numbers(wrong: object) -> None:
+    with pytest.raises(ValueError, match="cosine must be an array of numbers, got"):
+        mf.Schlick(0.5).F(wrong)
+
+
+@pytest.mark.parametrize("real", [np.float64, np.float32])
+def test_indices_within_their_limits_give_shares(real: type) -> None:
+    """Also at the ends, next to 1, and at cosines as small as the precision has."""
+    cosines = np.concatenate([[0, np.finfo(real).tiny], np.geomspace(1e-12, 1, 25), 1 - np.geomspace(1e-7, 0.5, 9)])
+    indices = [*np.geomspace(*fresnel.INDEX, 19), 1 - 1e-16, 1 + 1e-15, 1 - 1e-8, 1 + 1e-4, 1.5]
+    made = [*map(mf.Dielectric, indices), *(mf.Conductor(eta, k) for eta in indices for k in indices)]
+    for material in made:
+        value = material.F(cosines.astype(real))
+        assert ((value >= 0) & (value <= 1 + 4 * EPS[real])).all(), material.parameters
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [
@@ -113,6 +131,10 @@ def test_cosines_outside_their_range(wrong: object) -> None:
         (lambda: mf.Dielectric(np.nan), "eta must be a finite number above 0, got nan"),
         (lambda: mf.Conductor(1.0, -2), "k must be a finite number above 0, got -2"),
         (lambda: mf.Conductor("gold", 1), "eta must be a number above 0, got 'gold'"),
+        (lambda: mf.Dielectric(1e300), r"eta must lie between 1e-10 and 1e\+08, got 1e\+300"),
+        (lambda: mf.Conductor(1e10, 1), r"eta must lie between 1e-10 and 1e\+08, got 1e\+10"),
+        (lambda: mf.Conductor(1, 1e-300), r"k must lie between 1e-10 and 1e\+08, got 1e-300"),
+        (lambda: mf.Schlick("1"), "F0 must be a number above 0, got '1'"),
         (lambda: mf.Schlick(1.5), r"F0 must lie in \(0, 1\], got 1.5"),
     ],
 )

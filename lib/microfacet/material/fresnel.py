@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 import sympy as sp
 
-from microfacet.directions import positive
+from microfacet.directions import numbers, positive, within
 from microfacet.kernels import Batch, Parameters, packed
 from microfacet.notation import raw
 from microfacet.statement import Equation
@@ -20,6 +20,10 @@ eta, kappa = sp.symbols("eta kappa", positive=True)  # refractive index relative
 F0 = sp.Symbol("F_0", positive=True)
 g = sp.Symbol("g", positive=True)
 COSINE = (1e-6, 1)
+INDEX = (
+    1e-10,
+    1e8,
+)  # within, both precisions give numbers at all cosines; indices of 1e10 or of 1e-12 do not in single precision
 reflectance = r"F(\omega_o, \omega_h)"
 
 # --- statements ---------------------------------------------------------------------------------------------------
@@ -233,7 +237,7 @@ class Fresnel:
 
     def F(self, cosine: Any) -> Any:
         """Reflectance in [0, 1] at cosines in [0, 1]; any shape."""
-        values = np.asarray(cosine)
+        values = numbers("cosine", cosine).array
         if not np.all((values >= 0) & (values <= 1)):
             raise ValueError(f"cosine must lie in [0, 1], got {values.min()} to {values.max()}")
         return _over_cosines(type(self).kernel)([values], self.parameters)
@@ -256,21 +260,21 @@ class Mirror(Fresnel):
 
 
 class Dielectric(Fresnel):
-    """A dielectric of refractive index eta relative to outside, above 0. cook1982."""
+    """A dielectric of refractive index eta relative to outside, within `INDEX`, else a ValueError. cook1982."""
 
     kernel = staticmethod(packed(dielectric, 1, 1))
 
     def __init__(self, eta: float) -> None:
-        self.parameters = (positive("eta", eta),)
+        self.parameters = (within("eta", eta, INDEX),)
 
 
 class Conductor(Fresnel):
-    """A conductor of complex index eta + i k, both above 0, outside index 1. cook1982."""
+    """A conductor of complex index eta + i k, both within `INDEX`, else a ValueError; outside index 1. cook1982."""
 
     kernel = staticmethod(packed(conductor, 1, 2))
 
     def __init__(self, eta: float, k: float) -> None:
-        self.parameters = (positive("eta", eta), positive("k", k))
+        self.parameters = (within("eta", eta, INDEX), within("k", k, INDEX))
 
 
 class Schlick(Fresnel):
