@@ -24,6 +24,7 @@ from sympy.core.function import AppliedUndef
 
 from microfacet import balls
 from microfacet.arithmetic import exp_minus_square
+from microfacet.directions import numbers
 from microfacet.kernels import Batch, packed, source
 from microfacet.notation import Direction, chi, latex
 
@@ -96,11 +97,6 @@ class Equation:
         lines = r" \\ ".join(f"&{s} {r}" for s, r in zip(signs, right, strict=True))
         return rf"\begin{{aligned}} {left} {lines} \end{{aligned}}"
 
-    @property
-    def latex_computed(self) -> str | None:
-        """The stable rewrite as the report prints it, if there is one."""
-        return None if self.computed_as is None else f"{latex(self.symbol)} = {latex(self.computed_as)}"
-
     # --- evaluate ---------------------------------------------------------------------------------------------
 
     @property
@@ -136,10 +132,13 @@ class Equation:
         return Batch(packed(self.scalar, len(self.arguments), 0), [1] * len(self.arguments))
 
     def kernel(self, *arguments: Any) -> Any:
-        """The statement over arrays, in double precision or, for float32 arguments, in single."""
+        """The statement over arrays, in double precision or, for float32 arguments, in single.
+
+        ValueError for another number of arguments, and for what is no array of real numbers.
+        """
         if len(arguments) != len(self.arguments):
             raise ValueError(f"{self.key} takes {len(self.arguments)} arguments {self.arguments}, got {len(arguments)}")
-        return self._batch(arguments)
+        return self._batch([numbers(str(s), given).array for s, given in zip(self.arguments, arguments, strict=True)])
 
     # --- check ------------------------------------------------------------------------------------------------
 
@@ -327,6 +326,8 @@ class Equations(Mapping[str, Equation]):
 
     def __getitem__(self, key: str) -> Equation:
         found = self._load()
+        if not isinstance(key, str):
+            raise KeyError(f"no equation {key!r}: a key is text such as geometry.ggx.D")
         if key not in found:
             import difflib
 
