@@ -93,9 +93,24 @@ def test_oren_and_nayars_fit_is_near_their_cavities() -> None:
         assert float(fit(theta_o, theta_i, phi, sigma)) == pytest.approx(exact, rel=0.1)
 
 
-@pytest.mark.parametrize("wrong", [0, 1.5, -1, np.nan, "white"])
+def test_albedo_of_a_facet_may_be_of_single_precision() -> None:
+    assert mf.Diffuse(SMITH, np.float32(0.5)).facet_albedo == 0.5
+
+
+def test_single_precision_is_as_near_as_it_says() -> None:
+    """Albedo and BRDF, of facets that are matt and of mirrors, from straight above to grazing, where the BRDF is large."""
+    views = spherical(np.radians([0, 20, 60, 85, 89.9]), 0.6).astype(np.float32)
+    matt, mirrors = mf.Diffuse(SMITH), mf.Microfacet(SMITH)
+    calls = [matt.albedo_with_error, mirrors.albedo_with_error, lambda wo: matt.evaluate_with_error(wo[:, None], wo)]
+    for call in calls:
+        value, error = call(views)
+        assert value.dtype == error.dtype == np.float32
+        assert (abs(value - call(views.astype(float))[0]) <= error).all()
+
+
+@pytest.mark.parametrize("wrong", [0, 1.5, -1, np.nan, "white", True])
 def test_albedo_of_a_facet_is_a_share(wrong: Any) -> None:
-    with pytest.raises(ValueError, match=r"albedo must be a number in \(0, 1\], got"):
+    with pytest.raises(ValueError, match=r"albedo must (lie in \(0, 1\]|be a (finite )?number above 0), got"):
         mf.Diffuse(SMITH, wrong)
     with pytest.raises(ValueError, match="model must be a model of masking"):
         mf.Diffuse(mf.GGX(0.3))  # type: ignore[arg-type]

@@ -154,6 +154,13 @@ def test_a_bound_above_the_tolerance_decides_nothing() -> None:
     assert not found.holds
 
 
+def test_single_precision_views_are_taken_in_double() -> None:
+    views = np.array([[0.6, 0, 0.8], [0.1, 0.2, 0.9746794]], np.float32)
+    found = mf.validate(mf.Smith(mf.GGX(0.3)), views)
+    assert found.holds
+    assert max(verdict.bound for verdict in found.values()) < 1e-10
+
+
 def test_verdict_says_where() -> None:
     found = verdicts(next(iter(WRONG)))
     assert found["visible_area"].where == "theta_o = 89, phi_o = 35"
@@ -169,8 +176,12 @@ def test_verdict_says_where() -> None:
         ((mf.GGX(0.3),), r"model must be a model of masking such as Smith\(GGX\(0.3\)\), got GGX\(0.3, 0.3\)"),
         ((mf.VCavity(BECKMANN), [[0, 0.6, -0.8]]), "wo must lie above the horizon, got z = -0.8"),
         ((mf.VCavity(BECKMANN), [0.6, 0.8]), r"wo must have shape \(..., 3\), got shape \(2,\)"),
-        ((mf.VCavity(BECKMANN), None, 0.0), "tolerance must be above 0, got 0.0"),
-        ((mf.VCavity(BECKMANN), None, np.nan), "tolerance must be above 0, got nan"),
+        ((mf.VCavity(BECKMANN), None, 0.0), "tolerance must be a finite number above 0, got 0.0"),
+        ((mf.VCavity(BECKMANN), None, np.nan), "tolerance must be a finite number above 0, got nan"),
+        ((mf.VCavity(BECKMANN), None, np.inf), "tolerance must be a finite number above 0, got inf"),
+        ((mf.VCavity(BECKMANN), None, "x"), "tolerance must be a number above 0, got 'x'"),
+        ((mf.VCavity(BECKMANN), np.zeros((0, 3))), r"wo must hold at least one direction, got shape \(0, 3\)"),
+        ((mf.VCavity(BECKMANN), [1.2, 0, 1.6]), "wo must be unit vectors, got length 2"),
     ],
 )
 def test_wrong_arguments(arguments: tuple[Any, ...], message: str) -> None:

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from microfacet.brdf.specular import ROUNDING
-from microfacet.directions import as_vectors, spherical, vectors
+from microfacet.brdf.specular import rounding
+from microfacet.directions import as_vectors, positive, spherical, vectors
 from microfacet.geometry.slopes import P22_at_m, normals_from_slopes, normals_integral, solid_angle
 from microfacet.kernels import Batch
 from microfacet.notation import G1, G2, P22, chi, mu_i, mu_o, phi, phi_i, raw, theta_i, theta_o, wm, x, y
@@ -267,8 +267,8 @@ class Diffuse:
     def __init__(self, model: Masking, albedo: float = 1.0) -> None:
         if not isinstance(model, Masking):
             raise ValueError(f"model must be a model of masking such as Smith(GGX(0.3)), got {model!r}")
-        if not (isinstance(albedo, int | float) and 0 < albedo <= 1):
-            raise ValueError(f"albedo must be a number in (0, 1], got {albedo!r}")
+        if positive("albedo", albedo) > 1:
+            raise ValueError(f"albedo must lie in (0, 1], got {albedo}")
         self.model, self.facet_albedo = model, float(albedo)
         self._parts = (type(model.ndf).kernel, model.view_kernel, model.shadowed_kernel)
 
@@ -279,7 +279,7 @@ class Diffuse:
     def evaluate_with_error(self, wo: Any, wi: Any) -> tuple[Any, Any]:
         """The BRDF, and its error estimated from a coarser rule and from rounding."""
         value = self._by(FINE, wo, wi)
-        return value, abs(value - self._by(COARSE, wo, wi)) + ROUNDING
+        return value, abs(value - self._by(COARSE, wo, wi)) + rounding(value)
 
     def albedo(self, wo: Any) -> Any:
         """Share of light from wo that leaves again, shapes (..., 3) -> (...), by quadrature over the hemisphere."""
@@ -292,7 +292,7 @@ class Diffuse:
         for heights, turns in ((HEIGHTS, TURNS), (HEIGHTS * 2 // 3, TURNS * 3 // 4)):
             wi, weight = light_directions(heights, turns)
             sums.append(self.evaluate(views[..., None, :], wi.astype(views.dtype)) @ weight.astype(views.dtype))
-        return sums[0], abs(sums[0] - sums[1]) + ROUNDING
+        return sums[0], abs(sums[0] - sums[1]) + rounding(sums[0])
 
     def _by(self, counts: tuple[int, int], wo: Any, wi: Any) -> Any:
         parameters = (self.model.parameters, self.model.ndf.scale)

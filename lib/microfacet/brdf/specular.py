@@ -257,8 +257,14 @@ def tanh_sinh(nodes: int, reach: float = 3.15) -> tuple[tuple[float, ...], tuple
 
 
 ROUNDING = 1e-13  # of a sum of some 10^4 terms
+ULPS = 8  # of such a sum, or of 1 if that is larger: in single precision some 4 were seen
 FINE, COARSE = 96, 72  # nodes along a radius, and over each half turn
 NODES, WEIGHTS = (fine + coarse for fine, coarse in zip(tanh_sinh(FINE), tanh_sinh(COARSE), strict=True))
+
+
+def rounding(sums: Any) -> Any:
+    """How far sums of some 10^4 terms may be off by rounding in the precision that they have."""
+    return np.maximum(ROUNDING, ULPS * float(np.finfo(sums.dtype).eps) * np.maximum(1, abs(sums)))
 
 
 @cache
@@ -335,7 +341,7 @@ class Reflected(NamedTuple):
 
     def __call__(self, wo: Any) -> tuple[Any, Any]:
         both = albedo_batch(*self.kernels)([vectors("wo", wo)], self.parameters)
-        return both[..., 0], abs(both[..., 0] - both[..., 1]) + ROUNDING
+        return both[..., 0], abs(both[..., 0] - both[..., 1]) + rounding(both[..., 0])
 
 
 class Microfacet:

@@ -12,7 +12,7 @@ import numpy as np
 
 from microfacet.arithmetic import two_sum
 from microfacet.brdf.specular import Microfacet
-from microfacet.directions import as_vectors, spherical
+from microfacet.directions import as_vectors, one_of, positive, spherical
 from microfacet.geometry.slopes import Distribution
 from microfacet.material.reflection import reflected
 from microfacet.visibility.masking import Masking, visible_density
@@ -20,6 +20,7 @@ from microfacet.visibility.quadrature import seen_batch
 
 TOLERANCE = 1e-9  # what a relative residual may be and still count as rounding and quadrature
 ROUNDING = 1e-13  # of a sum of some 10^4 terms
+UNIT = 1e-6  # how far a unit vector's length may be from 1: a single-precision one's is
 
 THETA = np.radians([0, 15, 30, 45, 60, 75, 85, 89])
 PHI = np.radians([0, 35, 90])
@@ -83,13 +84,13 @@ class Validation(Mapping[str, Verdict]):
 def validate(model: Masking, wo: Any = None, tolerance: float = TOLERANCE) -> Validation:
     """A verdict for each of the seven equations. heitz2014.
 
-    wo: view directions (..., 3) above the horizon; by default 8 polar angles from 0 to 89 degrees and 3 azimuths.
-    tolerance: the largest relative residual that counts as rounding. ValueError for anything but a masking model.
+    wo: view directions (..., 3), unit vectors above the horizon, at least one, taken in double precision; by default 8 polar
+    angles from 0 to 89 degrees and 3 azimuths. tolerance: the largest relative residual that counts as rounding, above 0.
+    ValueError for other views or tolerances, and for anything but a masking model.
     """
     if not isinstance(model, Masking):
         raise ValueError(f"model must be a model of masking such as Smith(GGX(0.3)), got {model!r}")
-    if not tolerance > 0:
-        raise ValueError(f"tolerance must be above 0, got {tolerance}")
+    tolerance = positive("tolerance", tolerance)
     views = default_views(model.ndf) if wo is None else _above(wo)
     verdicts = [
         *(_integral_verdict(name, *found, views, tolerance) for name, found in residuals(model, views).items()),
@@ -106,9 +107,14 @@ def default_views(ndf: Distribution) -> np.ndarray:
 
 
 def _above(wo: Any) -> np.ndarray:
-    views = as_vectors("wo", wo).reshape(-1, 3)
+    views = as_vectors("wo", wo).reshape(-1, 3).astype(np.float64)
+    if not len(views):
+        raise ValueError(f"wo must hold at least one direction, got shape {np.shape(wo)}")
     if not np.all(views[:, 2] > 0):
         raise ValueError(f"wo must lie above the horizon, got z = {views[:, 2].min()}")
+    lengths = np.linalg.norm(views, axis=1)
+    if np.any(off := abs(lengths - 1) > UNIT):
+        raise ValueError(f"wo must be unit vectors, got length {lengths[off][0]:g}")
     return views
 
 
@@ -173,10 +179,10 @@ def _summed(masked: Callable[..., float], normals: Callable[..., float]) -> Call
 def residual(model: Masking, equation: str, wo: Any) -> tuple[np.ndarray, np.ndarray]:
     """The relative residuals of one of the four validation equations at view directions (n, 3), and their errors.
 
-    equation: one of `INTEGRALS`; any other is a ValueError. The projected area, which no view changes, is taken from above.
+    equation: one of `INTEGRALS`. The projected area, which no view changes, is taken from above. ValueError for any other
+    equation, and for views that `validate` refuses.
     """
-    if equation not in INTEGRALS:
-        raise ValueError(f"equation must be one of {', '.join(INTEGRALS)}, got {equation!r}")
+    one_of("equation", equation, INTEGRALS)
     views, normals = _above(wo), type(model.ndf).kernel
     level = equation == "projected_area"
     rule = seen_batch(model.view_kernel, _summed(model.masked_kernel, normals), normals)
