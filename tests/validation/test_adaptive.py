@@ -11,7 +11,7 @@ import pytest
 from microfacet.geometry.slopes import Distribution, spread
 from microfacet.validation.adaptive import _error, rule, seen_area
 from microfacet.validation.equations import residuals
-from samples import views
+from samples import UP, views
 from skewed import SKEWED, skewed
 
 Function = Callable[[np.ndarray], np.ndarray]
@@ -162,6 +162,19 @@ def test_the_error_follows_how_coefficients_fall() -> None:
         ((mixed, [0, 0.6, -0.8]), "wo must be one direction above the horizon"),
         ((mixed, SEEN), "wo must be one direction above the horizon"),
         ((lambda m: 0 * m[:, 0],), "a distribution of normals must have a finite norm above 0, got about 0"),
+        ((lambda m: np.nan * m[:, 0], UP, None, 1e-9, 9000, (1, 1)), "D and G1 must be finite at all normals, got nan"),
+        ((mf.GGX(0.3), UP, lambda m: np.inf * m[:, 2]), "D and G1 must be finite at all normals, got inf"),
+        ((5, UP), r"D must be a distribution such as GGX\(0.3\) or a function of normals, got 5"),
+        ((mixed, UP, 1.0), "G1 must be None or a function of normals, got 1.0"),
+        ((mixed, UP, None, np.nan), "tolerance must be a finite number above 0, got nan"),
+        ((mixed, UP, None, -1), "tolerance must be a finite number above 0, got -1"),
+        ((mixed, UP, None, "x"), "tolerance must be a number above 0, got 'x'"),
+        ((mixed, UP, None, 1e-9, 0), "most must be a whole number of at least 1, got 0"),
+        ((mixed, UP, None, 1e-9, np.nan), "most must be a whole number of at least 1, got nan"),
+        ((mixed, UP, None, 1e-9, 9000, (-1, 1)), "scale must be a finite number above 0, got -1"),
+        ((mixed, UP, None, 1e-9, 9000, (0, 0)), "scale must be a finite number above 0, got 0"),
+        ((mixed, UP, None, 1e-9, 9000, 0.3), "scale must be two numbers above 0, got 0.3"),
+        ((mixed, UP, None, 1e-9, 9000, ()), r"scale must be two numbers above 0, got \(\)"),
         ((lambda m: np.nan * m[:, 0],), "a distribution of normals must have a finite norm above 0, got about nan"),
     ],
 )

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
-from microfacet.directions import as_vectors
+from microfacet.directions import as_vectors, positive, whole
 from microfacet.geometry.slopes import Distribution, spread
 
 Function = Callable[[np.ndarray], np.ndarray]
@@ -54,17 +54,33 @@ def seen_area(
     D: a distribution, or any function of unit normals (n, 3), z > 0, that gives (n,), 1/sr. wo: one view direction (3,) above
     the horizon. G1: masking, a function of normals too; None for 1. With it the area is 1 for a physical model; without, it
     is 1 + Lambda of Smith's model, and from straight above the projected area of all facets. tolerance: the relative
-    error to reach, unless that takes more than about `most` evaluations: then the error is told as it is. scale: how
-    far slopes spread along x and y, if known. A feature between the slopes looked at, some four to a decade along each
-    axis, can be missed if it is narrower than their distance. ValueError for a direction not above the horizon.
-    heitz2014.
+    error to reach, above 0, unless that takes more than about `most` evaluations: then the error is told as it is. scale:
+    how far slopes spread along x and y, above 0, if known. A feature between the slopes looked at, some four to a decade
+    along each axis, can be missed if it is narrower than their distance. ValueError for a direction not above the horizon,
+    for other numbers than these, and where D or G1 is no function or not finite. heitz2014.
     """
     view = as_vectors("wo", wo)
     if view.shape != (3,) or not view[2] > 0:
         raise ValueError(f"wo must be one direction above the horizon, got {wo!r}")
     normals = D.D if isinstance(D, Distribution) else D
+    if not callable(normals):
+        raise ValueError(f"D must be a distribution such as GGX(0.3) or a function of normals, got {D!r}")
+    if not (G1 is None or callable(G1)):
+        raise ValueError(f"G1 must be None or a function of normals, got {G1!r}")
+    tolerance, most = positive("tolerance", tolerance), whole("most", most, 1)
+    if scale is not None:
+        scale = _two(scale)
     scales = scale or (D.scale if isinstance(D, Distribution) else spread(normals))
     return _refined(_Rings(normals, G1, view, scales), tolerance, most)
+
+
+def _two(scale: Any) -> tuple[float, float]:
+    """The argument as two numbers above 0; anything else is a ValueError."""
+    try:
+        x, y = scale
+    except (TypeError, ValueError):
+        raise ValueError(f"scale must be two numbers above 0, got {scale!r}") from None
+    return positive("scale", x), positive("scale", y)
 
 
 class _Rings:
@@ -110,9 +126,11 @@ class _Rings:
         np.multiply(x, -z, out=m[..., 0])
         np.multiply(y, -z, out=m[..., 1])
         flat = m.reshape(-1, 3)
-        density = self.normals(flat) if self.G1 is None else self.normals(flat) * self.G1(flat)
+        density = np.asarray(self.normals(flat) if self.G1 is None else self.normals(flat) * self.G1(flat))
+        if not np.isfinite(density).all():
+            raise ValueError(f"D and G1 must be finite at all normals, got {density[~np.isfinite(density)][0]}")
         facing = np.maximum(1 - (x * (self.view[0] / self.view[2]) + y * (self.view[1] / self.view[2])), 0)
-        return np.asarray(facing * np.asarray(density).reshape(x.shape) * (z * z) ** 2 * (stretch * arc))
+        return np.asarray(facing * density.reshape(x.shape) * (z * z) ** 2 * (stretch * arc))
 
 
 @cache
