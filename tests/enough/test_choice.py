@@ -14,7 +14,7 @@ from microfacet.__main__ import main
 from microfacet.brdf.compensation import Compensated
 from microfacet.enough import candidates, cost
 from microfacet.enough.candidates import Candidate, ladder
-from microfacet.enough.choice import MEASURES, Choice, Comparison, choice, sky
+from microfacet.enough.choice import MEASURES, Choice, Comparison, choice, choose, sky
 from microfacet.enough.lobes import COLUMNS, ROWS, counted, lobe_of, nodes, rule_error, surface
 from microfacet.enough.scene import Point, Scene
 
@@ -259,6 +259,28 @@ def test_a_bad_question_gets_one_sentence(words: str, capsys: pytest.CaptureFixt
     said = capsys.readouterr()
     assert said.err == BAD[words] + "\n"
     assert not said.out
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"costs": "nwo"}, "costs must be None, 'now', or nanoseconds by name, got 'nwo'"),
+        ({"costs": 5}, "costs must be None, 'now', or nanoseconds by name, got 5"),
+        ({"tolerance": "0.01"}, "tolerance must be a number above 0, got '0.01'"),
+        ({"measure": ["albedo"]}, r"measure must be one of albedo, lobe, picture, got \['albedo'\]"),
+        ({"normals": ["ggx"]}, r"normals must be one of ggx, beckmann, got \['ggx'\]"),
+        ({"alpha": "12"}, r"alpha must be a number or a range such as \(0.1, 0.3\), got '12'"),
+        ({"alpha": ("0.1", "0.2")}, r"alpha must be a number or a range such as \(0.1, 0.3\), got"),
+        ({"theta": True}, r"theta must be a number or a range such as \(0.1, 0.3\), got True"),
+    ],
+)
+def test_arguments_that_are_none(given: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        choose(**{"alpha": 0.3, **given})
+
+
+def test_one_number_may_be_an_array() -> None:
+    assert Scene(np.array(0.3)).alpha == Scene(np.array([0.3, 0.3])).alpha == (0.3, 0.3)
 
 
 @pytest.fixture

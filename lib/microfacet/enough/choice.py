@@ -6,7 +6,7 @@ Sources: heitz2016 (the random walk), turquin2019 and kulla2017 (energy put back
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from microfacet.brdf.specular import Microfacet
-from microfacet.directions import positive
+from microfacet.directions import one_of, positive
 from microfacet.enough import cost
 from microfacet.enough.candidates import Candidate, ladder
 from microfacet.enough.lobes import Array, Reference, binned, lobe_of, nodes, rule_error, surface, walked
@@ -323,14 +323,15 @@ def choose(
 
     The most complete model has exact Fresnel reflectance at each bounce, and all bounces unless the scene says one: for
     Gaussian slopes, so many ray-traced `surfaces`; for GGX, of which nobody has a surface, Smith's random walk, from so many
-    `walks` a point. A candidate is within if its error and the bound on what is not known of it are. ValueError for a scene
-    or a tolerance that is none. heitz2014; heitz2016.
+    `walks` a point. A candidate is within if its error and the bound on what is not known of it are. ValueError for a scene,
+    a tolerance, a measure or costs that are none. heitz2014; heitz2016.
     """
-    positive("tolerance", tolerance)
-    if measure not in MEASURES:
-        raise ValueError(f"measure must be one of {', '.join(MEASURES)}, got {measure!r}")
+    tolerance = positive("tolerance", tolerance)
+    one_of("measure", measure, MEASURES)
+    if not (costs is None or isinstance(costs, Mapping) or (isinstance(costs, str) and costs == "now")):
+        raise ValueError(f"costs must be None, 'now', or nanoseconds by name, got {costs!r}")
     comparison = Comparison(Scene(alpha, theta, **more), surfaces, walks)
-    known = known_costs(comparison, costs == "now") if costs is None or isinstance(costs, str) else costs
+    known = costs if isinstance(costs, Mapping) else known_costs(comparison, costs == "now")
     return choice(comparison, measure, tolerance, known, beyond=True)
 
 

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from microfacet.directions import spherical
+from microfacet.directions import one_of, real_number, spherical
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
 from microfacet.material.fresnel import Dielectric, Fresnel, Mirror
@@ -76,8 +76,7 @@ class Scene:
         if self.light[0] == self.light[1]:
             raise ValueError(f"light must be a range of more than one angle, got {self.light[0]:g}")
         for name, known in (("normals", NORMALS), ("bounces", BOUNCES), ("precision", PRECISIONS)):
-            if getattr(self, name) not in known:
-                raise ValueError(f"{name} must be one of {', '.join(known)}, got {getattr(self, name)!r}")
+            one_of(name, getattr(self, name), known)
         if not (self.fresnel is None or isinstance(self.fresnel, Fresnel)):
             raise ValueError(f"fresnel must be None, Dielectric or Conductor, got {self.fresnel!r}")
 
@@ -126,7 +125,7 @@ def material_words(fresnel: Fresnel) -> str:
 def as_range(name: str, given: Any, above: float, below: float) -> Range:
     """Two numbers in order, above and below the bounds; one stands for both."""
     try:
-        ends = tuple(float(one) for one in (given if isinstance(given, Sequence | np.ndarray) else (given, given)))
+        ends = tuple(map(real_number, (given, given) if np.ndim(given) == 0 else given))
     except (TypeError, ValueError):
         raise ValueError(f"{name} must be a number or a range such as (0.1, 0.3), got {given!r}") from None
     if len(ends) != 2 or not all(map(math.isfinite, ends)):
