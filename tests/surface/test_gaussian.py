@@ -117,6 +117,11 @@ def test_gabor_noise_does_not_depend_on_the_number_of_threads(monkeypatch: pytes
     ("arguments", "says"),
     [
         ({"size": 10.5, "alpha_x": 1}, "size must be a whole number.*10.5"),
+        ({"size": 256.0, "alpha_x": 1}, "size must be a whole number of at least 2, got 256.0"),
+        ({"size": None, "alpha_x": 1}, "size must be a whole number of at least 2, got None"),
+        ({"size": float("nan"), "alpha_x": 1}, "size must be a whole number of at least 2, got nan"),
+        ({"size": 256, "alpha_x": 1, "root": 1.0}, "root must be a whole number of at least 0, got 1.0"),
+        ({"size": 256, "alpha_x": 1, "root": float("inf")}, "root must be a whole number of at least 0, got inf"),
         ({"size": 90, "alpha_x": 1}, "size must be at least 6 correlation lengths of 16.*90"),
         ({"size": 256, "alpha_x": 0}, "alpha_x.*0"),
         ({"size": 256, "alpha_x": 1, "alpha_y": float("nan")}, "alpha_y.*nan"),
@@ -134,5 +139,7 @@ def test_wrong_numbers_are_refused() -> None:
     family = GaussianField(64, 0.5, correlation=4)
     with pytest.raises(ValueError, match="k must be a whole number of at least 0, got -1"):
         family.spectral(-1)
+    with pytest.raises(ValueError, match="k must be a whole number of at least 0, got None"):
+        family.spectral(None)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match=r"density.*0"):
         family.gabor(0, density=0)

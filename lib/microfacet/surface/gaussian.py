@@ -29,7 +29,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import ArrayLike, NDArray
 
-from microfacet.directions import positive
+from microfacet.directions import positive, whole
 from microfacet.processors import share
 
 Array = NDArray[np.float64]
@@ -55,10 +55,8 @@ class GaussianField:
     corrected: bool = True
 
     def __post_init__(self) -> None:
-        if self.size != int(self.size) or self.size < 2:
-            raise ValueError(f"size must be a whole number of at least 2, got {self.size!r}")
-        if self.root != int(self.root) or self.root < 0:
-            raise ValueError(f"root must be a whole number of at least 0, got {self.root!r}")
+        whole("size", self.size, 2)
+        whole("root", self.root, 0)
         ax = positive("alpha_x", self.alpha_x)
         ay = ax if self.alpha_y is None else positive("alpha_y", self.alpha_y)
         for name, value in (("alpha_x", ax), ("alpha_y", ay), ("correlation", positive("correlation", self.correlation))):
@@ -118,9 +116,7 @@ class GaussianField:
 
     def seed(self, k: int, *purpose: int) -> np.random.SeedSequence:
         """The seed of surface k, or of something else to be drawn for it."""
-        if k != int(k) or k < 0:
-            raise ValueError(f"k must be a whole number of at least 0, got {k!r}")
-        return np.random.SeedSequence(self.root, spawn_key=(int(k), *purpose))
+        return np.random.SeedSequence(self.root, spawn_key=(whole("k", k, 0), *purpose))
 
     def spectral(self, k: int) -> Array:
         """Heights of surface k, shape (size, size): white noise with the spectrum of the autocovariance. Exact at the nodes."""
