@@ -55,9 +55,9 @@ def test_where_nothing_cancels_the_printed_form_is_right(method, quantity, kind,
 @pytest.mark.parametrize("kind", [mf.GGX, mf.Beckmann])
 def test_digits_of_the_library_over_the_whole_map(kind: type, real: type) -> None:
     """Of Beckmann's Lambda as many digits are lost as 2 a^2 has, where a^2 is at most 700 (in single, 90)."""
-    assert np.nanmin(trust.library_map("D", kind, real)) > trust.MOST[real] - 1.3
+    assert np.nanmin(trust.map_of(trust.D, "D", kind, real)) > trust.MOST[real] - 1.3
     lost = 4 if kind is mf.Beckmann else 1.3
-    assert np.nanmin(trust.library_map("Lambda", kind, real)) > trust.MOST[real] - lost
+    assert np.nanmin(trust.map_of(trust.Lambda, "Lambda", kind, real)) > trust.MOST[real] - lost
 
 
 def test_digits_are_counted_from_the_binary_value() -> None:

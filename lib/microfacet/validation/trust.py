@@ -116,11 +116,6 @@ def map_of(method: Callable[[Distribution, Array], Array], quantity: str, kind: 
     return np.array([digits(method(kind(rounded(alpha, real)), views), exact, real) for alpha, exact in rows])
 
 
-def library_map(quantity: str, kind: type, real: type) -> Array:
-    """Digits of the library's own kernel."""
-    return map_of(QUANTITIES[quantity][0], quantity, kind, real)
-
-
 # --- samplers: the uniform numbers of which a normal is made ------------------------------------------------------------
 
 
