@@ -20,10 +20,7 @@ eta, kappa = sp.symbols("eta kappa", positive=True)  # refractive index relative
 F0 = sp.Symbol("F_0", positive=True)
 g = sp.Symbol("g", positive=True)
 COSINE = (1e-6, 1)
-INDEX = (
-    1e-10,
-    1e8,
-)  # within, both precisions give numbers at all cosines; indices of 1e10 or of 1e-12 do not in single precision
+INDEX = (1e-10, 1e8)  # at 1e-12 and at 1e10 single precision gives no numbers any more
 reflectance = r"F(\omega_o, \omega_h)"
 
 # --- statements ---------------------------------------------------------------------------------------------------
