@@ -305,7 +305,7 @@ def test_expected_counts_integrated_too_coarsely(monkeypatch: pytest.MonkeyPatch
 
 
 def test_roughness_of_zero(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ggx, "positive", lambda name, value: float(value))
+    monkeypatch.setattr(ggx, "roughness", lambda name, value: float(value))
     assert red("test_public_face:roughness_that_is_none", mf.GGX, 0)
 
 
