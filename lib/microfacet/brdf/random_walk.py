@@ -18,7 +18,7 @@ import sympy as sp
 
 from microfacet import balls
 from microfacet.brdf.specular import D_h, Microfacet, mu
-from microfacet.directions import as_uniform, as_vectors
+from microfacet.directions import as_uniform, as_vectors, whole
 from microfacet.geometry import ggx
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
@@ -433,9 +433,9 @@ class RandomWalk:
         """The BRDF of the first bounce and that of all later ones, both as means over walks, 1/sr, (..., 3) -> (...).
 
         Where the BRDF is so small that hardly any walk finds wi, the standard errors are too small as well."""
-        wo, wi, count = as_vectors("wo", wo), as_vectors("wi", wi), _many("walks", walks)
+        wo, wi, count = as_vectors("wo", wo), as_vectors("wi", wi), whole("walks", walks, 2)
         shape = np.broadcast_shapes(wo.shape[:-1], wi.shape[:-1])
-        u = np.random.default_rng(_many("seed", seed, 0)).random((*shape, 2))
+        u = np.random.default_rng(whole("seed", seed, 0)).random((*shape, 2))
         rule = connections(type(self.model.ndf).kernel, *self._kernels)
         found = rule([wo.astype(float), wi.astype(float), u], (*self.parameters, (float(count),)))
         squares = np.maximum(found[..., 2:] - found[..., :2] ** 2, 0) / (count - 1)
@@ -452,14 +452,14 @@ class RandomWalk:
 
     def albedo_by_bounce(self, wo: Any, walks: int = 65536, seed: int = 0, orders: int = 6) -> Bounces:
         """Shares of light from wo (..., 3) that leave after 1, 2, ..., `orders` bounces, from so many walks for each wo."""
-        left, later = self._sums(wo, walks, seed, _many("orders", orders, 1))
+        left, later = self._sums(wo, walks, seed, whole("orders", orders, 1))
         value, error = _mean(*left, walks)
         mean, scatter = _mean(*later, walks)
         return Bounces(value, error, mean[..., 0], scatter[..., 0], mean[..., 1])
 
     def _sums(self, wo: Any, walks: int, seed: int, orders: int) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
         """Sums over walks of weights and of their squares: by bounces up to `orders`; of more, and of what is under way."""
-        wo, count, seed = as_vectors("wo", wo).astype(float), _many("walks", walks), _many("seed", seed, 0)
+        wo, count, seed = as_vectors("wo", wo).astype(float), whole("walks", walks, 2), whole("seed", seed, 0)
         rows = wo.reshape(-1, 3)
         sums = np.zeros((2, len(rows), orders + 3))
         step = max(1, AT_ONCE // max(len(rows), 1))
@@ -480,13 +480,6 @@ class RandomWalk:
 
     def __repr__(self) -> str:
         return f"RandomWalk({self.model!r}, {type(self.fresnel).__name__}{self.fresnel.parameters})"
-
-
-def _many(name: str, number: Any, least: int = 2) -> int:
-    """The argument as a whole number that is large enough; anything else is a ValueError that names it."""
-    if isinstance(number, bool) or not isinstance(number, int | np.integer) or number < least:
-        raise ValueError(f"{name} must be a whole number of at least {least}, got {number!r}")
-    return int(number)
 
 
 def _mean(total: Any, squares: Any, walks: int) -> tuple[Any, Any]:
