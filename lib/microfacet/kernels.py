@@ -2,8 +2,8 @@
 
 A kernel is written (or generated from a statement) as an ordinary Python function of floats, so it can be read, called
 and tested without a compiler. `Batch` collects the text of that function and of every function it calls into one
-file named after its content, and compiles a loop over arrays from it. A cached kernel can therefore never be stale:
-another text is another file.
+program, and compiles a loop over arrays from it. Compiled code is kept under a name that its text decides (see `cache`),
+so that it can never be stale: another text is another file.
 
 Rules for a kernel: floats only (write 2.0, not 2), no global state except float constants, tuples of floats and other
 kernels. Literals become single precision in a single-precision loop. It ends whatever it is given: what is no number is
@@ -15,32 +15,22 @@ from __future__ import annotations
 import ast
 import builtins
 import hashlib
-import importlib
-import importlib.abc
-import importlib.util
 import inspect
+import linecache
 import math
-import os
-import sys
-import tempfile
 import textwrap
 from collections.abc import Callable, Sequence
 from functools import cache
-from importlib import import_module as import_text  # of kernels only, which says so to whoever follows imports
-from importlib.machinery import ModuleSpec
 from itertools import zip_longest
 from math import exp, ldexp
-from pathlib import Path
-from types import FunctionType, ModuleType
-from typing import TYPE_CHECKING, Any, cast
+from types import FunctionType
+from typing import Any, cast
 
 import numpy as np
 
+from microfacet.cache import key, load, require_compiler, store
 from microfacet.directions import Argument
 from microfacet.processors import share, threads
-
-if TYPE_CHECKING:  # what loops are written of imports it: said here for whoever follows imports
-    import microfacet.widest  # noqa: F401
 
 Parameters = tuple[Any, ...]
 Single = tuple[bool, ...]
@@ -57,14 +47,6 @@ from numba import float32, float64, njit, types
 
 R, T = {real}, np.{real}
 """
-
-
-def cache_directory() -> Path:
-    """Where compiled kernels are kept: $MICROFACET_CACHE, else the user's cache folder."""
-    chosen = os.environ.get("MICROFACET_CACHE")
-    if chosen:
-        return Path(chosen)
-    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "microfacet"
 
 
 class ByPrecision(float):
@@ -316,16 +298,17 @@ def _loop(name: str, widths: Sequence[int], outputs: int, single: Sequence[bool]
     once, each = (_checks([(kinds[k], row) for k, row in enumerate(rows) if single[k] is alone]) for alone in (True, False))
     before = "".join(f"        {line}\n" for line in [*loads, *slices, "good = True", *once])
     within = "".join(f"            {line}\n" for line in [f"{store} = {call}", *each])
+    unique = f"loop_{_digest(repr((name, widths, outputs, single, kinds)))}"  # loops of all programs share one name space
     return (
         f"def compiled(p):\n"
-        f"    @njit((types.intp, types.intp, {inputs}p, R[::1]), nogil=True, cache=True, error_model='numpy')\n"
-        f"    def loop(start, stop, {', '.join(arrays)}, p, out):\n"
+        f"    @njit((types.intp, types.intp, {inputs}p, R[::1]), nogil=True, error_model='numpy')\n"
+        f"    def {unique}(start, stop, {', '.join(arrays)}, p, out):\n"
         f"        widest()\n"
         f"{before}"
         f"        for i in range(stop - start):\n"
         f"{within}"
         f"        return good\n"
-        f"    return loop\n"
+        f"    return {unique}\n"
     )
 
 
@@ -342,37 +325,27 @@ def _checks(rows: Sequence[tuple[str, Sequence[str]]]) -> list[str]:
     return [*lines, *(f"good &= ({value} >= R(0.0)) & ({value} < R(1.0))" for value in shares)]
 
 
-def _write(text: str) -> Path:
-    """Keep a text in the cache under its own hash; whoever comes second finds the same bytes."""
-    folder = cache_directory()
-    path = folder / f"k{hashlib.sha256(text.encode()).hexdigest()[:24]}.py"
-    if not path.exists():
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile("w", dir=folder, suffix=".tmp", delete=False) as scratch:
-            scratch.write(text)
-        os.replace(scratch.name, path)
-    return path
-
-
-MODULE = "microfacet_kernel_"
-
-
-class _Texts(importlib.abc.MetaPathFinder):
-    """Finds kept texts by the names of their modules: a compiled loop asks for those whose functions it shares."""
-
-    def find_spec(self, fullname: str, path: Any = None, target: Any = None) -> ModuleSpec | None:
-        file = cache_directory() / f"{fullname.removeprefix(MODULE)}.py"
-        if not fullname.startswith(MODULE) or not file.exists():
-            return None
-        return importlib.util.spec_from_file_location(fullname, file)
-
-
-sys.meta_path.append(_Texts())
-
-
 @cache
-def _load(path: Path) -> ModuleType:
-    return import_text(MODULE + path.stem)
+def _machine_code(text: str, kind: Any) -> Any:
+    """The compiler's result for a program and the type of its parameters: from the cache, else made and put there."""
+    from microfacet import widest
+
+    name = key(text, kind, inspect.getsource(shared), inspect.getsource(widest))
+    found = load(name)
+    if found is None:
+        found = _compile(text, kind)
+        store(name, found)
+    return found
+
+
+def _compile(text: str, kind: Any) -> Any:
+    require_compiler()
+    file = f"<kernel {_digest(text)}>"
+    linecache.cache[file] = len(text), None, text.splitlines(keepends=True), file  # for the compiler's messages
+    scope: dict[str, Any] = {"__name__": __name__}  # a later process looks for this module
+    exec(compile(text, file, "exec"), scope)
+    (result,) = scope["compiled"](kind).overloads.values()
+    return result
 
 
 def _cast(parameters: Any, real: type) -> Any:
@@ -422,9 +395,7 @@ class Batch:
 
         kind = numba.typeof(parameters)
         if (real, kind, single, kinds) not in self._loops:
-            module = _load(_write(self.text(real, single, kinds)))
-            (overload,) = module.compiled(kind).overloads.values()
-            self._loops[real, kind, single, kinds] = overload.entry_point
+            self._loops[real, kind, single, kinds] = _machine_code(self.text(real, single, kinds), kind).entry_point
         return self._loops[real, kind, single, kinds]
 
     def _prepared(self, real: type, parameters: Parameters, single: Single, kinds: Kinds) -> tuple[Callable[..., bool], Any]:
