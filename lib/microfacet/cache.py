@@ -13,6 +13,7 @@ remove only what is his own (as in /tmp). Where there is no such folder, or no s
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import os
 import pickle
@@ -159,6 +160,8 @@ def _folder() -> Path | None:
 def _make(folder: Path) -> None:
     """Make a folder and its parents, for the user alone whatever the umask says."""
     if not folder.is_dir():
+        if folder.exists():
+            raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(folder))
         _make(folder.parent)
         folder.mkdir(mode=0o700, exist_ok=True)
 
