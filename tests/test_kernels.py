@@ -18,9 +18,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import mutually_broadcastable_shapes
 from microfacet.arithmetic import exp_minus_square, exp_minus_squares, turn, two_product, two_sum
 from microfacet.directions import uniform, vectors
-from microfacet.kernels import CHUNK, Batch, ByPrecision, packed, source
+from microfacet.kernels import Batch, ByPrecision, packed, source
 
 HALF = 0.5
+CHUNK = 16384
 TABLE = (0.1, 0.2, 0.3)
 PRECISE = ByPrecision(double=1.0, single=2.0)
 

@@ -30,12 +30,14 @@ import numpy as np
 
 from microfacet.cache import key, load, require_compiler, store
 from microfacet.directions import Argument
-from microfacet.processors import share, threads
+from microfacet.processors import QUICK, Pace, spread
 
 Parameters = tuple[Any, ...]
 Single = tuple[bool, ...]
 Kinds = tuple[str, ...]
-CHUNK = 16384  # elements a thread takes at once: large enough to hide the hand-over, small enough to balance
+Loop = Callable[..., bool]
+QUICKEST = 1e-9  # seconds that an element takes at least ...
+LONG = 1e-6  # ... and for how many it is taken where a loop within may take any time
 KEPT = 64  # sets of parameters that a loop is kept ready for
 
 _HEADER = """\
@@ -243,9 +245,12 @@ def _embedded(
     return _named(function.__name__, ast.unparse(ast.fix_missing_locations(tree)))
 
 
+_STRAIGHT, _HAS_LOOP = "@shared(R, True)", "@shared(R, False)"
+
+
 def _named(name: str, text: str) -> tuple[str, str]:
     unique = f"{name}_{_digest(text)}"
-    return unique, f"@shared(R, {_straight(text)})\n{text.replace('def unnamed(', f'def {unique}(', 1)}"
+    return unique, f"{_STRAIGHT if _straight(text) else _HAS_LOOP}\n{text.replace('def unnamed(', f'def {unique}(', 1)}"
 
 
 def _straight(text: str) -> bool:
@@ -374,8 +379,8 @@ class Batch:
 
     def __init__(self, function: Callable[..., Any], widths: Sequence[int], outputs: int = 1) -> None:
         self.function, self.widths, self.outputs = function, tuple(widths), outputs
-        self._loops: dict[tuple[type, Any, Single, Kinds], Callable[..., bool]] = {}
-        self._ready: dict[tuple[type, Parameters, Single, Kinds], tuple[Callable[..., bool], Any]] = {}
+        self._loops: dict[tuple[type, Any, Single, Kinds], tuple[Loop, Pace]] = {}
+        self._ready: dict[tuple[type, Parameters, Single, Kinds], tuple[Loop, Pace, Any]] = {}
 
     def text(self, real: type, single: Single = (), kinds: Kinds = ()) -> str:
         """The whole program in the given precision.
@@ -389,22 +394,24 @@ class Batch:
         loop = _loop(name, self.widths, self.outputs, single or (False,) * none, kinds or ("",) * none)
         return "\n\n".join([header, *program.texts, loop])
 
-    def _compiled(self, real: type, parameters: Any, single: Single, kinds: Kinds) -> Callable[..., bool]:
+    def _compiled(self, real: type, parameters: Any, single: Single, kinds: Kinds) -> tuple[Loop, Pace]:
         """The loop itself, without the dispatcher that would look at the types of what it is called with."""
         import numba
 
         kind = numba.typeof(parameters)
         if (real, kind, single, kinds) not in self._loops:
-            self._loops[real, kind, single, kinds] = _machine_code(self.text(real, single, kinds), kind).entry_point
+            text = self.text(real, single, kinds)
+            pace = Pace(LONG if _HAS_LOOP in text else QUICKEST)
+            self._loops[real, kind, single, kinds] = _machine_code(text, kind).entry_point, pace
         return self._loops[real, kind, single, kinds]
 
-    def _prepared(self, real: type, parameters: Parameters, single: Single, kinds: Kinds) -> tuple[Callable[..., bool], Any]:
-        """The loop, and the parameters as it takes them: found once, since that costs more than a hundred turns."""
+    def _prepared(self, real: type, parameters: Parameters, single: Single, kinds: Kinds) -> tuple[Loop, Pace, Any]:
+        """The loop, its pace, and the parameters as it takes them: found once, for that costs more than a hundred turns."""
         if (ready := self._ready.get((real, parameters, single, kinds))) is None:
             if len(self._ready) >= KEPT:
                 self._ready.clear()
             cast_ = _cast(parameters, real)
-            ready = self._ready[real, parameters, single, kinds] = self._compiled(real, cast_, single, kinds), cast_
+            ready = self._ready[real, parameters, single, kinds] = *self._compiled(real, cast_, single, kinds), cast_
         return ready
 
     def __call__(self, arrays: Sequence[Any], parameters: Parameters = (), out: np.ndarray | None = None) -> Any:
@@ -431,12 +438,12 @@ class Batch:
             flat.append(_flatten(array, width, own, shape, real))
             single.append(count != 1 and array.size == width)
         result = _result(out, (*shape, self.outputs) if self.outputs > 1 else shape, real, inputs)
-        loop, packed_parameters = self._prepared(real, parameters, tuple(single), tuple(kinds))
+        loop, pace, packed_parameters = self._prepared(real, parameters, tuple(single), tuple(kinds))
         target = result.reshape(-1)
-        if not 0 < count <= CHUNK:
-            good = count > 0 and _share(lambda start, stop: loop(start, stop, *flat, packed_parameters, target), count)
+        if count < 2 or count * pace.seconds < QUICK:
+            good = count > 0 and loop(0, count, *flat, packed_parameters, target)
         else:
-            good = loop(0, count, *flat, packed_parameters, target)
+            good = spread(lambda start, stop: loop(start, stop, *flat, packed_parameters, target), count, pace)
         if not good:
             _refuse(arrays)
         return result if result.ndim or out is not None else result[()]
@@ -471,11 +478,3 @@ def _refuse(arrays: Sequence[Any]) -> None:
     for argument in arrays:
         if isinstance(argument, Argument):
             argument.checked()
-
-
-def _share(work: Callable[[int, int], bool], count: int) -> bool:
-    """Whether work(start, stop) went well all over range(count), shared among several threads when it is worth it."""
-    if count <= 2 * CHUNK or threads() == 1:
-        return work(0, count)
-    step = max(CHUNK, -(-count // (8 * threads())))
-    return all(share(work, [(k, min(k + step, count)) for k in range(0, count, step)]))
