@@ -2,8 +2,8 @@
 
 A kernel is written (or generated from a statement) as an ordinary Python function of floats, so it can be read, called
 and tested without a compiler. `Batch` collects the text of that function and of every function it calls into one
-file named after its content, and compiles a loop over arrays from it. A cached kernel can therefore never be stale:
-another text is another file.
+program, and compiles a loop over arrays from it. Compiled code is kept under a name that its text decides (see `cache`),
+so that it can never be stale: another text is another file.
 
 Rules for a kernel: floats only (write 2.0, not 2), no global state except float constants, tuples of floats and other
 kernels. Literals become single precision in a single-precision loop. It ends whatever it is given: what is no number is
@@ -15,37 +15,29 @@ from __future__ import annotations
 import ast
 import builtins
 import hashlib
-import importlib
-import importlib.abc
-import importlib.util
 import inspect
+import linecache
 import math
-import os
-import sys
-import tempfile
 import textwrap
 from collections.abc import Callable, Sequence
 from functools import cache
-from importlib import import_module as import_text  # of kernels only, which says so to whoever follows imports
-from importlib.machinery import ModuleSpec
 from itertools import zip_longest
 from math import exp, ldexp
-from pathlib import Path
-from types import FunctionType, ModuleType
-from typing import TYPE_CHECKING, Any, cast
+from types import FunctionType
+from typing import Any, cast
 
 import numpy as np
 
+from microfacet.cache import key, load, require_compiler, store
 from microfacet.directions import Argument
-from microfacet.processors import share, threads
-
-if TYPE_CHECKING:  # what loops are written of imports it: said here for whoever follows imports
-    import microfacet.widest  # noqa: F401
+from microfacet.processors import QUICK, Pace, spread
 
 Parameters = tuple[Any, ...]
 Single = tuple[bool, ...]
 Kinds = tuple[str, ...]
-CHUNK = 16384  # elements a thread takes at once: large enough to hide the hand-over, small enough to balance
+Loop = Callable[..., bool]
+QUICKEST = 1e-9  # seconds that an element takes at least ...
+LONG = 1e-6  # ... and for how many it is taken where a loop within may take any time
 KEPT = 64  # sets of parameters that a loop is kept ready for
 
 _HEADER = """\
@@ -57,14 +49,6 @@ from numba import float32, float64, njit, types
 
 R, T = {real}, np.{real}
 """
-
-
-def cache_directory() -> Path:
-    """Where compiled kernels are kept: $MICROFACET_CACHE, else the user's cache folder."""
-    chosen = os.environ.get("MICROFACET_CACHE")
-    if chosen:
-        return Path(chosen)
-    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "microfacet"
 
 
 class ByPrecision(float):
@@ -261,9 +245,12 @@ def _embedded(
     return _named(function.__name__, ast.unparse(ast.fix_missing_locations(tree)))
 
 
+_STRAIGHT, _HAS_LOOP = "@shared(R, True)", "@shared(R, False)"
+
+
 def _named(name: str, text: str) -> tuple[str, str]:
     unique = f"{name}_{_digest(text)}"
-    return unique, f"@shared(R, {_straight(text)})\n{text.replace('def unnamed(', f'def {unique}(', 1)}"
+    return unique, f"{_STRAIGHT if _straight(text) else _HAS_LOOP}\n{text.replace('def unnamed(', f'def {unique}(', 1)}"
 
 
 def _straight(text: str) -> bool:
@@ -316,16 +303,17 @@ def _loop(name: str, widths: Sequence[int], outputs: int, single: Sequence[bool]
     once, each = (_checks([(kinds[k], row) for k, row in enumerate(rows) if single[k] is alone]) for alone in (True, False))
     before = "".join(f"        {line}\n" for line in [*loads, *slices, "good = True", *once])
     within = "".join(f"            {line}\n" for line in [f"{store} = {call}", *each])
+    unique = f"loop_{_digest(repr((name, widths, outputs, single, kinds)))}"  # loops of all programs share one name space
     return (
         f"def compiled(p):\n"
-        f"    @njit((types.intp, types.intp, {inputs}p, R[::1]), nogil=True, cache=True, error_model='numpy')\n"
-        f"    def loop(start, stop, {', '.join(arrays)}, p, out):\n"
+        f"    @njit((types.intp, types.intp, {inputs}p, R[::1]), nogil=True, error_model='numpy')\n"
+        f"    def {unique}(start, stop, {', '.join(arrays)}, p, out):\n"
         f"        widest()\n"
         f"{before}"
         f"        for i in range(stop - start):\n"
         f"{within}"
         f"        return good\n"
-        f"    return loop\n"
+        f"    return {unique}\n"
     )
 
 
@@ -342,37 +330,27 @@ def _checks(rows: Sequence[tuple[str, Sequence[str]]]) -> list[str]:
     return [*lines, *(f"good &= ({value} >= R(0.0)) & ({value} < R(1.0))" for value in shares)]
 
 
-def _write(text: str) -> Path:
-    """Keep a text in the cache under its own hash; whoever comes second finds the same bytes."""
-    folder = cache_directory()
-    path = folder / f"k{hashlib.sha256(text.encode()).hexdigest()[:24]}.py"
-    if not path.exists():
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile("w", dir=folder, suffix=".tmp", delete=False) as scratch:
-            scratch.write(text)
-        os.replace(scratch.name, path)
-    return path
-
-
-MODULE = "microfacet_kernel_"
-
-
-class _Texts(importlib.abc.MetaPathFinder):
-    """Finds kept texts by the names of their modules: a compiled loop asks for those whose functions it shares."""
-
-    def find_spec(self, fullname: str, path: Any = None, target: Any = None) -> ModuleSpec | None:
-        file = cache_directory() / f"{fullname.removeprefix(MODULE)}.py"
-        if not fullname.startswith(MODULE) or not file.exists():
-            return None
-        return importlib.util.spec_from_file_location(fullname, file)
-
-
-sys.meta_path.append(_Texts())
-
-
 @cache
-def _load(path: Path) -> ModuleType:
-    return import_text(MODULE + path.stem)
+def _machine_code(text: str, kind: Any) -> Any:
+    """The compiler's result for a program and the type of its parameters: from the cache, else made and put there."""
+    from microfacet import widest
+
+    name = key(text, kind, inspect.getsource(shared), inspect.getsource(widest))
+    found = load(name)
+    if found is None:
+        found = _compile(text, kind)
+        store(name, found)
+    return found
+
+
+def _compile(text: str, kind: Any) -> Any:
+    require_compiler()
+    file = f"<kernel {_digest(text)}>"
+    linecache.cache[file] = len(text), None, text.splitlines(keepends=True), file  # for the compiler's messages
+    scope: dict[str, Any] = {"__name__": __name__}  # a later process looks for this module
+    exec(compile(text, file, "exec"), scope)
+    (result,) = scope["compiled"](kind).overloads.values()
+    return result
 
 
 def _cast(parameters: Any, real: type) -> Any:
@@ -401,8 +379,8 @@ class Batch:
 
     def __init__(self, function: Callable[..., Any], widths: Sequence[int], outputs: int = 1) -> None:
         self.function, self.widths, self.outputs = function, tuple(widths), outputs
-        self._loops: dict[tuple[type, Any, Single, Kinds], Callable[..., bool]] = {}
-        self._ready: dict[tuple[type, Parameters, Single, Kinds], tuple[Callable[..., bool], Any]] = {}
+        self._loops: dict[tuple[type, Any, Single, Kinds], tuple[Loop, Pace]] = {}
+        self._ready: dict[tuple[type, Parameters, Single, Kinds], tuple[Loop, Pace, Any]] = {}
 
     def text(self, real: type, single: Single = (), kinds: Kinds = ()) -> str:
         """The whole program in the given precision.
@@ -416,24 +394,24 @@ class Batch:
         loop = _loop(name, self.widths, self.outputs, single or (False,) * none, kinds or ("",) * none)
         return "\n\n".join([header, *program.texts, loop])
 
-    def _compiled(self, real: type, parameters: Any, single: Single, kinds: Kinds) -> Callable[..., bool]:
+    def _compiled(self, real: type, parameters: Any, single: Single, kinds: Kinds) -> tuple[Loop, Pace]:
         """The loop itself, without the dispatcher that would look at the types of what it is called with."""
         import numba
 
         kind = numba.typeof(parameters)
         if (real, kind, single, kinds) not in self._loops:
-            module = _load(_write(self.text(real, single, kinds)))
-            (overload,) = module.compiled(kind).overloads.values()
-            self._loops[real, kind, single, kinds] = overload.entry_point
+            text = self.text(real, single, kinds)
+            pace = Pace(LONG if _HAS_LOOP in text else QUICKEST)
+            self._loops[real, kind, single, kinds] = _machine_code(text, kind).entry_point, pace
         return self._loops[real, kind, single, kinds]
 
-    def _prepared(self, real: type, parameters: Parameters, single: Single, kinds: Kinds) -> tuple[Callable[..., bool], Any]:
-        """The loop, and the parameters as it takes them: found once, since that costs more than a hundred turns."""
+    def _prepared(self, real: type, parameters: Parameters, single: Single, kinds: Kinds) -> tuple[Loop, Pace, Any]:
+        """The loop, its pace, and the parameters as it takes them: found once, for that costs more than a hundred turns."""
         if (ready := self._ready.get((real, parameters, single, kinds))) is None:
             if len(self._ready) >= KEPT:
                 self._ready.clear()
             cast_ = _cast(parameters, real)
-            ready = self._ready[real, parameters, single, kinds] = self._compiled(real, cast_, single, kinds), cast_
+            ready = self._ready[real, parameters, single, kinds] = *self._compiled(real, cast_, single, kinds), cast_
         return ready
 
     def __call__(self, arrays: Sequence[Any], parameters: Parameters = (), out: np.ndarray | None = None) -> Any:
@@ -460,12 +438,12 @@ class Batch:
             flat.append(_flatten(array, width, own, shape, real))
             single.append(count != 1 and array.size == width)
         result = _result(out, (*shape, self.outputs) if self.outputs > 1 else shape, real, inputs)
-        loop, packed_parameters = self._prepared(real, parameters, tuple(single), tuple(kinds))
+        loop, pace, packed_parameters = self._prepared(real, parameters, tuple(single), tuple(kinds))
         target = result.reshape(-1)
-        if not 0 < count <= CHUNK:
-            good = count > 0 and _share(lambda start, stop: loop(start, stop, *flat, packed_parameters, target), count)
+        if count < 2 or count * pace.seconds < QUICK:
+            good = count > 0 and loop(0, count, *flat, packed_parameters, target)
         else:
-            good = loop(0, count, *flat, packed_parameters, target)
+            good = spread(lambda start, stop: loop(start, stop, *flat, packed_parameters, target), count, pace)
         if not good:
             _refuse(arrays)
         return result if result.ndim or out is not None else result[()]
@@ -500,11 +478,3 @@ def _refuse(arrays: Sequence[Any]) -> None:
     for argument in arrays:
         if isinstance(argument, Argument):
             argument.checked()
-
-
-def _share(work: Callable[[int, int], bool], count: int) -> bool:
-    """Whether work(start, stop) went well all over range(count), shared among several threads when it is worth it."""
-    if count <= 2 * CHUNK or threads() == 1:
-        return work(0, count)
-    step = max(CHUNK, -(-count // (8 * threads())))
-    return all(share(work, [(k, min(k + step, count)) for k in range(0, count, step)]))

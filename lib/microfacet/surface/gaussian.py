@@ -22,13 +22,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, cast
+from typing import Any
 
-import numba
 import numpy as np
 import scipy.fft
 from numpy.typing import ArrayLike, NDArray
 
+from microfacet.cache import compiled
 from microfacet.directions import positive, whole
 from microfacet.processors import share
 
@@ -159,7 +159,7 @@ class GaussianField:
         return heights
 
 
-_bare = cast(Any, numba.njit)(nogil=True, cache=True, _nrt=False)  # no counting of references in the inner loops
+_bare = compiled(nogil=True, _nrt=False)  # no counting of references in the inner loops
 
 
 @_bare

@@ -29,12 +29,12 @@ import threading
 from functools import cached_property, partial
 from typing import Any, NamedTuple, NoReturn, cast
 
-import numba
 import numpy as np
 from numba.core import cgutils, types
 from numba.extending import intrinsic
 from numpy.typing import ArrayLike, NDArray
 
+from microfacet.cache import compiled
 from microfacet.directions import as_vectors
 from microfacet.processors import share
 
@@ -63,7 +63,7 @@ LARGEST = 1e290  # stands for 1/0
 EARLY = 1 - 1e-6  # what part of the way to a plane is passed for sure, as the quotient is rounded to single precision
 SLACK = 1e-6  # of a block's own height and slope, and a tenth of it in cells: how much planes are rounded up
 
-_njit: Any = partial(cast(Any, numba.njit), nogil=True, cache=True, error_model="numpy")
+_njit: Any = partial(compiled, nogil=True, error_model="numpy")
 _jit = _njit()
 _inner = _njit(_nrt=False, forceinline=True)  # no counting of references: it would cost more than the walk itself
 _exact = _njit(_nrt=False)
