@@ -18,9 +18,12 @@ sys.path.insert(1, "lib")
 import build  # noqa: E402
 import campaign  # noqa: E402
 import closure  # noqa: E402
+import guard  # noqa: E402
 import inventory  # noqa: E402
 
 build.settle_environment()
+BUILDING = workflow.is_main_process and guard.begin(sys.argv[1:])
+SEALED = " && python workflow/seal.py {output} 2>> {log}"
 
 FIGURES = inventory.figures()
 CHAPTERS = inventory.chapters()
@@ -61,7 +64,7 @@ rule check:
     conda:
         "environment.yml"
     shell:
-        "python -m microfacet check {params.statements} --kept build/kept --out {output} 2> {log}"
+        "python -m microfacet check {params.statements} --kept build/kept --out {output} 2> {log}" + SEALED
 
 
 rule checked:
@@ -80,7 +83,7 @@ rule checked:
     conda:
         "environment.yml"
     shell:
-        "python workflow/ledger.py checked build/checks {output} build/report.pdf build/report.html 2> {log}"
+        "python workflow/ledger.py checked build/checks {output} build/report.pdf build/report.html 2> {log}" + SEALED
 
 
 rule measured:
@@ -97,7 +100,7 @@ rule measured:
     conda:
         "environment.yml"
     shell:
-        "python -m microfacet.surface.trials {output} 2> {log}"
+        "python -m microfacet.surface.trials {output} 2> {log}" + SEALED
 
 
 rule ledger:
@@ -117,16 +120,18 @@ rule ledger:
     conda:
         "environment.yml"
     shell:
-        "python workflow/ledger.py gather build/checks {input.measured} {output} 2> {log}"
+        "python workflow/ledger.py gather build/checks {input.measured} {output} 2> {log}" + SEALED
 
 
 rule gate:
     input:
         ledger="build/ledger.json",
-        record="records/ledger.json",
+        record=lambda wildcards: build.source("records/ledger.json"),
         tools=build.tools("ledger.py"),
     output:
         "build/gate",
+    params:
+        record=lambda wildcards: build.digest_of("records/ledger.json"),
     log:
         "build/logs/gate.log",
     message:
@@ -134,7 +139,7 @@ rule gate:
     conda:
         "environment.yml"
     shell:
-        "python workflow/ledger.py gate {input.ledger} {input.record} {output} build/report.pdf build/report.html 2> {log}"
+        "python workflow/ledger.py gate {input.ledger} {input.record} {output} build/report.pdf build/report.html 2> {log}" + SEALED
 
 
 rule data:
@@ -151,7 +156,7 @@ rule data:
     conda:
         "environment.yml"
     shell:
-        "python {input.script} {output} 2> {log}"
+        "python {input.script} {output} 2> {log}" + SEALED
 
 
 rule figure:
@@ -159,7 +164,7 @@ rule figure:
         script=lambda wildcards: build.figure(wildcards.name).script,
         data=lambda wildcards: build.figure(wildcards.name).data,
         imports=lambda wildcards: build.imports(build.figure(wildcards.name).script),
-        style="figures/report.mplstyle",
+        style=build.source("figures/report.mplstyle"),
     output:
         report(
             "build/figures/{name}.svg",
@@ -178,7 +183,7 @@ rule figure:
     conda:
         "environment.yml"
     shell:
-        "python {input.script} {input.data} {output} 2> {log}"
+        "python {input.script} {input.data} {output} 2> {log}" + SEALED
 
 
 rule motion:
@@ -186,7 +191,7 @@ rule motion:
         script=lambda wildcards: build.figure(wildcards.name).script,
         data=lambda wildcards: build.figure(wildcards.name).data,
         imports=lambda wildcards: build.imports(build.figure(wildcards.name).script),
-        style="figures/report.mplstyle",
+        style=build.source("figures/report.mplstyle"),
     output:
         "build/figures/{name}.moving.svg",
     log:
@@ -196,7 +201,7 @@ rule motion:
     conda:
         "environment.yml"
     shell:
-        "python {input.script} {input.data} {output} 2> {log}"
+        "python {input.script} {input.data} {output} 2> {log}" + SEALED
 
 
 rule chapter:
@@ -217,7 +222,7 @@ rule chapter:
     conda:
         "environment.yml"
     shell:
-        "python workflow/chapter.py {input.text} {output.markdown} {output.typst} 2> {log}"
+        "python workflow/chapter.py {input.text} {output.markdown} {output.typst} 2> {log}" + SEALED
 
 
 rule report:
@@ -227,8 +232,8 @@ rule report:
         chapters=expand("build/chapters/{chapter}.typ", chapter=build.texts()),
         figures=expand("build/figures/{name}.svg", name=build.figures_in_chapters()),
         moving=lambda wildcards: build.moving_in_chapters() if wildcards.form == "html" else [],
-        works="chapters/references.bib",
-        title="CITATION.cff",
+        works=build.source("chapters/references.bib"),
+        title=build.source("CITATION.cff"),
         tools=lambda wildcards: build.report_tools(wildcards.form),
     output:
         report("build/report.{form}", category="Report"),
@@ -241,18 +246,16 @@ rule report:
     conda:
         "environment.yml"
     shell:
-        "python workflow/report.py {output} {params.source} 2> {log}"
+        "python workflow/report.py {output} {params.source} 2> {log}" + SEALED
 
 
 include: "workflow/campaign.smk"
 include: "workflow/targets.smk"
 
-
-onstart:
-    build.take_turn()
+if workflow.is_main_process:
+    guard.compare(build.products(), BUILDING)
 
 
 onerror:
-    for form in ("pdf", "html"):
-        Path(f"build/report.{form}").unlink(missing_ok=True)
+    inventory.withdraw()
     build.repeat_failures(log)

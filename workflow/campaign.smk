@@ -26,7 +26,7 @@ rule measure:
         "../environment.yml"
     shell:
         "MICROFACET_THREADS={threads} python {input.script} measure {wildcards.entry} {wildcards.first} {wildcards.last}"
-        " {output} 2> {log}"
+        " {output} 2> {log}" + SEALED
 
 
 rule gather:
@@ -42,4 +42,4 @@ rule gather:
     conda:
         "../environment.yml"
     shell:
-        "python {input.script} gather {output} {input.shards} 2> {log}"
+        "python {input.script} gather {output} {input.shards} 2> {log}" + SEALED
