@@ -23,7 +23,6 @@ import inventory  # noqa: E402
 
 build.settle_environment()
 BUILDING = workflow.is_main_process and guard.begin(sys.argv[1:])
-SEALED = " && python workflow/seal.py {output} 2>> {log}"
 
 FIGURES = inventory.figures()
 CHAPTERS = inventory.chapters()
@@ -64,7 +63,8 @@ rule check:
     conda:
         "environment.yml"
     shell:
-        "python -m microfacet check {params.statements} --kept build/kept --out {output} 2> {log}" + SEALED
+        "python -m microfacet check {params.statements} --kept build/kept --out {output} 2> {log}"
+        " && python workflow/seal.py {output} 2>> {log}"
 
 
 rule checked:
@@ -83,7 +83,8 @@ rule checked:
     conda:
         "environment.yml"
     shell:
-        "python workflow/ledger.py checked build/checks {output} build/report.pdf build/report.html 2> {log}" + SEALED
+        "python workflow/ledger.py checked build/checks {output} build/report.pdf build/report.html 2> {log}"
+        " && python workflow/seal.py {output} 2>> {log}"
 
 
 rule measured:
@@ -100,7 +101,8 @@ rule measured:
     conda:
         "environment.yml"
     shell:
-        "python -m microfacet.surface.trials {output} 2> {log}" + SEALED
+        "python -m microfacet.surface.trials {output} 2> {log}"
+        " && python workflow/seal.py {output} 2>> {log}"
 
 
 rule ledger:
@@ -120,7 +122,8 @@ rule ledger:
     conda:
         "environment.yml"
     shell:
-        "python workflow/ledger.py gather build/checks {input.measured} {output} 2> {log}" + SEALED
+        "python workflow/ledger.py gather build/checks {input.measured} {output} 2> {log}"
+        " && python workflow/seal.py {output} 2>> {log}"
 
 
 rule gate:
@@ -139,7 +142,8 @@ rule gate:
     conda:
         "environment.yml"
     shell:
-        "python workflow/ledger.py gate {input.ledger} {input.record} {output} build/report.pdf build/report.html 2> {log}" + SEALED
+        "python workflow/ledger.py gate {input.ledger} {input.record} {output} build/report.pdf build/report.html 2> {log}"
+        " && python workflow/seal.py {output} 2>> {log}"
 
 
 rule data:
@@ -156,7 +160,8 @@ rule data:
     conda:
         "environment.yml"
     shell:
-        "python {input.script} {output} 2> {log}" + SEALED
+        "python {input.script} {output} 2> {log}"
+        " && python workflow/seal.py {output} 2>> {log}"
 
 
 rule figure:
@@ -183,7 +188,8 @@ rule figure:
     conda:
         "environment.yml"
     shell:
-        "python {input.script} {input.data} {output} 2> {log}" + SEALED
+        "python {input.script} {input.data} {output} 2> {log}"
+        " && python workflow/seal.py {output} 2>> {log}"
 
 
 rule motion:
@@ -201,7 +207,8 @@ rule motion:
     conda:
         "environment.yml"
     shell:
-        "python {input.script} {input.data} {output} 2> {log}" + SEALED
+        "python {input.script} {input.data} {output} 2> {log}"
+        " && python workflow/seal.py {output} 2>> {log}"
 
 
 rule chapter:
@@ -222,7 +229,8 @@ rule chapter:
     conda:
         "environment.yml"
     shell:
-        "python workflow/chapter.py {input.text} {output.markdown} {output.typst} 2> {log}" + SEALED
+        "python workflow/chapter.py {input.text} {output.markdown} {output.typst} 2> {log}"
+        " && python workflow/seal.py {output} 2>> {log}"
 
 
 rule report:
@@ -246,7 +254,8 @@ rule report:
     conda:
         "environment.yml"
     shell:
-        "python workflow/report.py {output} {params.source} 2> {log}" + SEALED
+        "python workflow/report.py {output} {params.source} 2> {log}"
+        " && python workflow/seal.py {output} 2>> {log}"
 
 
 include: "workflow/campaign.smk"

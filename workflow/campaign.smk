@@ -26,7 +26,8 @@ rule measure:
         "../environment.yml"
     shell:
         "MICROFACET_THREADS={threads} python {input.script} measure {wildcards.entry} {wildcards.first} {wildcards.last}"
-        " {output} 2> {log}" + SEALED
+        " {output} 2> {log}"
+        " && python workflow/seal.py {output} 2>> {log}"
 
 
 rule gather:
@@ -42,4 +43,5 @@ rule gather:
     conda:
         "../environment.yml"
     shell:
-        "python {input.script} gather {output} {input.shards} 2> {log}" + SEALED
+        "python {input.script} gather {output} {input.shards} 2> {log}"
+        " && python workflow/seal.py {output} 2>> {log}"

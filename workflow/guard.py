@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import base64
 import fcntl
+import json
 import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -13,11 +15,15 @@ import inventory
 import seal
 
 LOCK = Path(".snakemake/turn")
+UNFINISHED = Path(".snakemake/incomplete")
 REPORTS = (Path("build/report.pdf"), Path("build/report.html"))
-LOOKING = """dryrun lint report list_rules list_target_rules summary detailed_summary dag rulegraph filegraph d3dag unlock
-    touch archive containerize delete_all_output delete_temp_output cleanup_metadata cleanup_shadow generate_unit_tests
-    list_changes list_input_changes list_params_changes list_untracked print_compilation
-    list_conda_envs conda_cleanup_envs conda_create_envs_only container_cleanup_images""".split()
+LOOKING = (
+    *("dryrun", "lint", "report", "list_rules", "list_target_rules", "summary", "detailed_summary", "dag", "rulegraph"),
+    *("filegraph", "d3dag", "unlock", "touch", "archive", "containerize", "delete_all_output", "delete_temp_output"),
+    *("cleanup_metadata", "cleanup_shadow", "generate_unit_tests", "list_changes", "list_input_changes"),
+    *("list_params_changes", "list_untracked", "print_compilation", "list_conda_envs", "conda_cleanup_envs"),
+    *("conda_create_envs_only", "container_cleanup_images"),
+)
 NAMED = 8
 held: list[Any] = []
 
@@ -34,7 +40,10 @@ def builds(words: Sequence[str]) -> bool:
 
 
 def begin(words: Sequence[str]) -> bool:
-    """Wait for no other build but end; from here on a fault of the sources takes the old report away. True if files are made."""
+    """Refuse to run beside another build; from here on a fault of the sources takes the old report away.
+
+    True if files are to be made.
+    """
     building = builds(words)
     if "--lint" not in words:
         take_turn()
@@ -63,7 +72,7 @@ def refuse_broken_package() -> None:
 
 
 def compare(products: Iterable[str], building: bool) -> None:
-    """Name what is torn, altered or unfinished, and remove it, so that snakemake makes it again; a look removes nothing."""
+    """Name what is torn, altered or unfinished, so that snakemake makes it again; such a report is taken away at once."""
     paths = sorted({*map(Path, products), *seal.sealed()})
     refuse_what_is_no_file(paths)
     torn = [path for path in seal.broken(paths) if not measured(path, building)]
@@ -71,10 +80,17 @@ def compare(products: Iterable[str], building: bool) -> None:
         return
     names = ", ".join(map(str, torn[:NAMED])) + (f" and {len(torn) - NAMED} more" if len(torn) > NAMED else "")
     are = "is not what its job made" if len(torn) == 1 else "are not what their jobs made"
-    again = "made again" if building else "to be made again"
-    print(f"{names}: {are} (torn, altered or unfinished), {again}.", file=sys.stderr)
-    for path in torn if building else ():
-        path.unlink()
+    print(f"{names}: {are} (torn, altered or unfinished), to be made again.", file=sys.stderr)
+    for path in torn:
+        mark_unfinished(path)
+        if building and path in REPORTS:
+            path.unlink()
+
+
+def mark_unfinished(path: Path) -> None:
+    """As snakemake marks what a killed job leaves: unlike a file that is gone, it is made again though nothing misses it."""
+    name = base64.urlsafe_b64encode(str(path).encode()).decode()
+    inventory.write_atomically(UNFINISHED / name, json.dumps({"external_jobid": None}))
 
 
 def refuse_what_is_no_file(paths: Iterable[Path]) -> None:
