@@ -18,9 +18,11 @@ sys.path.insert(1, "lib")
 import build  # noqa: E402
 import campaign  # noqa: E402
 import closure  # noqa: E402
+import guard  # noqa: E402
 import inventory  # noqa: E402
 
 build.settle_environment()
+BUILDING = workflow.is_main_process and guard.begin(sys.argv[1:])
 
 FIGURES = inventory.figures()
 CHAPTERS = inventory.chapters()
@@ -62,6 +64,7 @@ rule check:
         "environment.yml"
     shell:
         "python -m microfacet check {params.statements} --kept build/kept --out {output} 2> {log}"
+        " && python workflow/seal.py {output} 2>> {log}"
 
 
 rule checked:
@@ -81,6 +84,7 @@ rule checked:
         "environment.yml"
     shell:
         "python workflow/ledger.py checked build/checks {output} build/report.pdf build/report.html 2> {log}"
+        " && python workflow/seal.py {output} 2>> {log}"
 
 
 rule measured:
@@ -98,6 +102,7 @@ rule measured:
         "environment.yml"
     shell:
         "python -m microfacet.surface.trials {output} 2> {log}"
+        " && python workflow/seal.py {output} 2>> {log}"
 
 
 rule ledger:
@@ -118,15 +123,18 @@ rule ledger:
         "environment.yml"
     shell:
         "python workflow/ledger.py gather build/checks {input.measured} {output} 2> {log}"
+        " && python workflow/seal.py {output} 2>> {log}"
 
 
 rule gate:
     input:
         ledger="build/ledger.json",
-        record="records/ledger.json",
+        record=lambda wildcards: build.source("records/ledger.json"),
         tools=build.tools("ledger.py"),
     output:
         "build/gate",
+    params:
+        record=lambda wildcards: build.digest_of("records/ledger.json"),
     log:
         "build/logs/gate.log",
     message:
@@ -135,6 +143,7 @@ rule gate:
         "environment.yml"
     shell:
         "python workflow/ledger.py gate {input.ledger} {input.record} {output} build/report.pdf build/report.html 2> {log}"
+        " && python workflow/seal.py {output} 2>> {log}"
 
 
 rule data:
@@ -152,6 +161,7 @@ rule data:
         "environment.yml"
     shell:
         "python {input.script} {output} 2> {log}"
+        " && python workflow/seal.py {output} 2>> {log}"
 
 
 rule figure:
@@ -159,7 +169,7 @@ rule figure:
         script=lambda wildcards: build.figure(wildcards.name).script,
         data=lambda wildcards: build.figure(wildcards.name).data,
         imports=lambda wildcards: build.imports(build.figure(wildcards.name).script),
-        style="figures/report.mplstyle",
+        style=build.source("figures/report.mplstyle"),
     output:
         report(
             "build/figures/{name}.svg",
@@ -179,6 +189,7 @@ rule figure:
         "environment.yml"
     shell:
         "python {input.script} {input.data} {output} 2> {log}"
+        " && python workflow/seal.py {output} 2>> {log}"
 
 
 rule motion:
@@ -186,7 +197,7 @@ rule motion:
         script=lambda wildcards: build.figure(wildcards.name).script,
         data=lambda wildcards: build.figure(wildcards.name).data,
         imports=lambda wildcards: build.imports(build.figure(wildcards.name).script),
-        style="figures/report.mplstyle",
+        style=build.source("figures/report.mplstyle"),
     output:
         "build/figures/{name}.moving.svg",
     log:
@@ -197,6 +208,7 @@ rule motion:
         "environment.yml"
     shell:
         "python {input.script} {input.data} {output} 2> {log}"
+        " && python workflow/seal.py {output} 2>> {log}"
 
 
 rule chapter:
@@ -218,6 +230,7 @@ rule chapter:
         "environment.yml"
     shell:
         "python workflow/chapter.py {input.text} {output.markdown} {output.typst} 2> {log}"
+        " && python workflow/seal.py {output} 2>> {log}"
 
 
 rule report:
@@ -227,8 +240,8 @@ rule report:
         chapters=expand("build/chapters/{chapter}.typ", chapter=build.texts()),
         figures=expand("build/figures/{name}.svg", name=build.figures_in_chapters()),
         moving=lambda wildcards: build.moving_in_chapters() if wildcards.form == "html" else [],
-        works="chapters/references.bib",
-        title="CITATION.cff",
+        works=build.source("chapters/references.bib"),
+        title=build.source("CITATION.cff"),
         tools=lambda wildcards: build.report_tools(wildcards.form),
     output:
         report("build/report.{form}", category="Report"),
@@ -242,17 +255,16 @@ rule report:
         "environment.yml"
     shell:
         "python workflow/report.py {output} {params.source} 2> {log}"
+        " && python workflow/seal.py {output} 2>> {log}"
 
 
 include: "workflow/campaign.smk"
 include: "workflow/targets.smk"
 
-
-onstart:
-    build.take_turn()
+if workflow.is_main_process:
+    guard.compare(build.products(), BUILDING)
 
 
 onerror:
-    for form in ("pdf", "html"):
-        Path(f"build/report.{form}").unlink(missing_ok=True)
+    inventory.withdraw()
     build.repeat_failures(log)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import hashlib
 import json
 import os
@@ -22,9 +21,15 @@ import report
 
 ENDINGS = (".svg", ".pdf", ".png")
 TRIALS = Path("lib/microfacet/surface/trials.py")
-LOCK = Path(".snakemake/turn")
 VERSIONS = "requirements.lock"
-held: list[Any] = []
+ONE_OF_EACH = (
+    "build/checked",
+    "build/gate",
+    "build/ledger.json",
+    "build/measured.json",
+    "build/report.pdf",
+    "build/report.html",
+)
 
 
 def settle_environment() -> None:
@@ -38,17 +43,6 @@ def settle_environment() -> None:
     os.environ |= dict.fromkeys(threads, "1") | {"MPLBACKEND": "agg", "PYTHONHASHSEED": "0"}
 
 
-def take_turn() -> None:
-    """One build at a time in one checkout; the system frees the lock when a build is killed."""
-    LOCK.parent.mkdir(exist_ok=True)
-    handle = LOCK.open("w")
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        inventory.stop("Another build is running in this checkout: wait for it to end.")
-    held.append(handle)
-
-
 def repeat_failures(logs: Iterable[str]) -> None:
     """At the end what was said minutes ago: which jobs failed, each with the sentence that says why."""
     told = "".join(Path(log).read_text("utf-8") for log in logs)
@@ -60,6 +54,27 @@ def repeat_failures(logs: Iterable[str]) -> None:
 def digest(value: object) -> str:
     text = json.dumps(value, sort_keys=True, ensure_ascii=False)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def source(name: str) -> str:
+    """A file that people write, as an input: where it is gone, what was made of it does not stand in for it."""
+    if not Path(name).is_file():
+        inventory.fault(f"{name} is missing: `git checkout {name}` brings it back.")
+    return name
+
+
+def digest_of(name: str) -> str:
+    return hashlib.sha256(Path(source(name)).read_bytes()).hexdigest()[:16]
+
+
+def products() -> list[str]:
+    """Every file that the rules make, whatever is asked for."""
+    figures = inventory.figures()
+    data = [path for one in figures.values() for path in one.data]
+    checks = [f"build/checks/{stem}.json" for stem in groups()]
+    chapters = [f"build/chapters/{stem}.{ending}" for stem in texts() for ending in ("md", "typ")]
+    ranges = [str(path) for path in Path(campaign.FOLDER).glob("**/*.npz")]
+    return [*ONE_OF_EACH, *checks, *data, *drawings(list(figures)), *chapters, *ranges]
 
 
 # Statements and figures ------------------------------------------------------------------------
@@ -110,7 +125,10 @@ def tools(*names: str) -> list[str]:
 
 def surfaces_asked_for(config: Mapping[str, Any]) -> tuple[int, int]:
     """How many surfaces, and how many in a range; refused before anything is built."""
-    count, size = config.get("surfaces", campaign.SURFACES), config.get("range", campaign.RANGE)
+    known = {"surfaces": campaign.SURFACES, "range": campaign.RANGE}
+    for name in config.keys() - known.keys():
+        inventory.stop(f"{inventory.unknown('setting', name, known)} --config takes surfaces=N and range=N.")
+    count, size = (known | config).values()
     if not (isinstance(count, int) and isinstance(size, int) and count >= 2 and size >= 1):
         inventory.stop(f"--config takes surfaces=N, at least 2, and range=N, at least 1; got {count!r} and {size!r}.")
     return count, size

@@ -12,8 +12,6 @@ from __future__ import annotations
 
 import ast
 import hashlib
-import json
-import os
 import sys
 from collections.abc import Iterable, Iterator
 from functools import cache
@@ -43,7 +41,11 @@ def parsed(source: str) -> ast.Module:
 
 
 def tree_of(file: Path) -> ast.Module:
-    return parsed(file.read_text("utf-8"))
+    try:
+        return parsed(file.read_text("utf-8"))
+    except SyntaxError as error:
+        error.filename = str(file)
+        raise
 
 
 @cache
@@ -274,15 +276,13 @@ def of_source(source: str, folder: Path | None = None) -> frozenset[Path]:
     To read the whole library takes seconds, so answers are kept, by what they depend on.
     """
     kept = KEPT / f"{digest(source, digest_of(whole_package()), digest_of(folder.glob('*.py')) if folder else '')}.json"
-    try:
-        return frozenset(map(Path, json.loads(kept.read_text("utf-8"))))
-    except (OSError, ValueError):
-        found = read_through(source, folder)
-    kept.parent.mkdir(parents=True, exist_ok=True)
-    scratch = kept.with_suffix(f".{os.getpid()}")
-    scratch.write_text(json.dumps(sorted(map(str, found))), "utf-8")
-    scratch.replace(kept)
-    return found
+    from microfacet.files import keep, recall
+
+    known = recall(kept)
+    if known is None:
+        known = sorted(map(str, read_through(source, folder)))
+        keep(kept, known)
+    return frozenset(map(Path, known))
 
 
 @cache

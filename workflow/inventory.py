@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import difflib
 import hashlib
-import json
 import os
 import re
 import sys
@@ -24,9 +23,31 @@ FRONT = re.compile(r"\A---\n.*?^---\n", re.M | re.S)
 INLINE = re.compile(r"\{\{([^{}]+)\}\}")
 
 
+withdrawn: list[Path] = []  # the reports that a fault of the sources takes away; none unless a build has begun
+
+
 def stop(sentence: str) -> NoReturn:
     """End with one sentence for the reader in place of a traceback."""
     sys.exit(f"\n{sentence}\n")
+
+
+def fault(sentence: str) -> NoReturn:
+    """End because the sources are at fault: an old report must not pass for one that is made of them."""
+    withdraw()
+    stop(sentence)
+
+
+def withdraw() -> None:
+    for report in withdrawn:
+        report.unlink(missing_ok=True)
+
+
+def said(error: Exception) -> str:
+    """What an error says, with the file and line of a source that is no Python."""
+    if isinstance(error, SyntaxError) and error.filename:
+        file = os.path.relpath(error.filename)
+        return f"{file}, line {error.lineno}: {error.msg}"
+    return f"{type(error).__name__}: {error}"
 
 
 def unknown(kind: str, name: str, known: Iterable[str]) -> str:
@@ -39,10 +60,9 @@ def unknown(kind: str, name: str, known: Iterable[str]) -> str:
 
 def write_atomically(path: Path, content: bytes | str) -> None:
     """A reader, or a killed build, never sees half a file."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    draft = path.with_name(f".{path.name}.{os.getpid()}")
-    draft.write_bytes(content.encode("utf-8") if isinstance(content, str) else content)
-    draft.replace(path)
+    from microfacet.files import write
+
+    write(path, content)
 
 
 # Statements ------------------------------------------------------------------------------------
@@ -55,14 +75,13 @@ def statements() -> dict[str, dict[str, Any]]:
     Importing sympy and all statements takes over a second, so the answer is kept beside a digest
     of the library's sources and asked for again only when one of them changed.
     """
+    from microfacet.files import keep, recall
+
     source = digest_of_library()
-    try:
-        kept = json.loads(CACHE.read_text("utf-8"))
-    except (OSError, ValueError):
-        kept = {}
-    if kept.get("source") != source:
+    kept = recall(CACHE)
+    if kept is None or kept["source"] != source:
         kept = {"source": source, "statements": ask_library()}
-        write_atomically(CACHE, json.dumps(kept, indent=1, ensure_ascii=False))
+        keep(CACHE, kept)
     return dict(kept["statements"])
 
 
@@ -82,10 +101,12 @@ def ask_library() -> dict[str, dict[str, Any]]:
     try:
         import microfacet as mf
 
+        for path in sorted(closure.whole_package()):
+            closure.tree_of(path)
         prints = mf.equations.fingerprints()
         return {key: facts(mf.equations[key], prints[key]) for key in mf.equations}
     except Exception as error:
-        stop(f"The library in lib/ cannot state its equations: {type(error).__name__}: {error}")
+        fault(f"The library in lib/ cannot state its equations: {said(error)}")
 
 
 def facts(equation: Any, fingerprint: str) -> dict[str, Any]:
@@ -150,7 +171,7 @@ def figures() -> dict[str, Figure]:
         if figure is None:
             continue
         if figure.name in found:
-            stop(f"Two figures are called {figure.name!r}: {found[figure.name].script} and {script}.")
+            fault(f"Two figures are called {figure.name!r}: {found[figure.name].script} and {script}.")
         found[figure.name] = figure
     return found
 
@@ -159,13 +180,13 @@ def read_figure(script: Path) -> Figure | None:
     try:
         tree = ast.parse(script.read_text("utf-8"))
     except SyntaxError as error:
-        stop(f"{script}, line {error.lineno}: {error.msg}.")
+        fault(f"{script}, line {error.lineno}: {error.msg}.")
     slides, models = constants(tree, "SLIDES"), constants(tree, "MODEL")
     if not slides or script.stem.endswith("_data"):
         return None
     title, _, rest = (ast.get_docstring(tree) or "").partition("\n")
     if not title.strip():
-        stop(f"{script} has no docstring: its first line is the first sentence of the caption.")
+        fault(f"{script} has no docstring: its first line is the first sentence of the caption.")
     moves = any(isinstance(node, ast.FunctionDef) and node.name == "move" for node in tree.body)
     model = words_in(models[0], script) if models else ()
     return Figure(script.stem, script, title.strip(), " ".join(rest.split()), numbers_in(slides[0], script), moves, model)
@@ -187,7 +208,7 @@ def words_in(node: ast.expr, script: Path) -> tuple[str, ...]:
     except ValueError:
         words = None
     if not (isinstance(words, tuple) and len(words) == 2 and all(isinstance(word, str) for word in words)):
-        stop(f"{script}: MODEL is two strings: which model of light, and why that was enough.")
+        fault(f"{script}: MODEL is two strings: which model of light, and why that was enough.")
     return words
 
 
@@ -197,7 +218,7 @@ def numbers_in(node: ast.expr, script: Path) -> tuple[int, ...]:
     try:
         return tuple(int(n) for n in eval(compile(ast.Expression(node), str(script), "eval"), allowed))
     except (NameError, TypeError, ValueError):
-        stop(f"{script}: SLIDES is a tuple of numbers, such as (37, 38, 39) or tuple(range(17, 30)).")
+        fault(f"{script}: SLIDES is a tuple of numbers, such as (37, 38, 39) or tuple(range(17, 30)).")
 
 
 def figures_of_slide(slide: int) -> list[str]:
@@ -283,7 +304,7 @@ def refuse_computed_names(path: Path, code: str, tree: ast.Module) -> None:
     for call in (node for node in ast.walk(tree) if isinstance(node, ast.Call)):
         helper = call.func.id if isinstance(call.func, ast.Name) else ""
         if helper in ("data", "equation", "figure") and not isinstance(call.args[0] if call.args else None, ast.Constant):
-            stop(f"{path}: {helper}(...) takes a name in quotes, or the build cannot know what is needed: {code.strip()}")
+            fault(f"{path}: {helper}(...) takes a name in quotes, or the build cannot know what is needed: {code.strip()}")
 
 
 def collect_calls(tree: ast.Module, calls: dict[str, list[str]]) -> None:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from math import log10
+from math import isfinite, log10
 from pathlib import Path
 from typing import Any
 
@@ -23,13 +23,15 @@ KINDS = ("symbolic", "enclosed", "numeric", "measured")
 
 
 def record_of(path: Path) -> dict[str, Any]:
+    """What a record holds by name; one that is missing, torn or empty stops the build."""
     try:
-        return dict(json.loads(path.read_text("utf-8")))
-    except (OSError, ValueError):
-        remedy = (
-            f"`git checkout {path}` brings it back" if path.parent == RECORDS else "remove it, and snakemake makes it again"
-        )
-        inventory.stop(f"The record {path} is missing or torn: {remedy}.")
+        record = json.loads(path.read_text("utf-8"))
+    except (OSError, ValueError, RecursionError):
+        record = None
+    if not (isinstance(record, dict) and record):
+        remedy = f"`git checkout {path}` or `make record` brings it back" if path.parent == RECORDS else "start the build again"
+        inventory.stop(f"The record {path} is missing, torn or empty: {remedy}.")
+    return record
 
 
 def checked(folder: Path, out: Path, *reports: Path) -> None:
@@ -138,25 +140,37 @@ def losses(now: dict[str, Any], before: dict[str, Any]) -> Iterator[str]:
 def figures_lost(now: dict[str, Any], before: dict[str, Any]) -> Iterator[str]:
     for name, old in before.items():
         new = now.get(name)
-        if old is not None and (new is None or fell(name, new, old)):
+        if new != old and (new is None or not still(name, new, old)):
             yield f"{name} was {old}, it is {'gone' if new is None else new}"
 
 
-def fell(name: str, new: Any, old: Any) -> bool:
-    if name == "at":
-        return bool(new != old)
+def still(name: str, new: Any, old: Any) -> bool:
+    """Whether a figure is as good as the one on record, which must be a number, and finite, to compare with."""
+    if name == "at" or not (isinstance(old, int | float) and isfinite(old)):
+        return False
     if name == "margin":
-        return bool(new < FEWER * old)
+        return bool(new >= FEWER * old)
     if name == "error":
-        return bool(new > SLACK * old)
+        return bool(new <= SLACK * old)
     if name in ("claims", "count", "digits"):
-        return bool(new < old)
-    return bool(new > SLACK * old + 0.5)
+        return bool(new >= old)
+    return bool(new <= SLACK * old + 0.5)
 
 
-def behind(entries: list[dict[str, Any]], record: Path) -> list[str]:
+def unrecorded(now: Any, before: Any, name: str = "") -> Iterator[str]:
+    """What was reached of which the record says nothing: there a loss would not be seen."""
+    if not isinstance(now, dict):
+        return
+    for inner, found in now.items():
+        full = f"{name}, {inner}" if name else inner
+        if not isinstance(before, dict) or inner not in before:
+            yield full
+        else:
+            yield from unrecorded(found, before[inner], full)
+
+
+def behind(now: dict[str, Any], kept: dict[str, Any]) -> list[str]:
     """What the gate says of statements that are worse than the record, or gone."""
-    kept, now = record_of(record), {entry["key"]: reached(entry) for entry in entries}
     gone = [f"  {key}\n      on record, but stated no more" for key in kept if key not in now]
     worse = {key: list(losses(now[key], kept[key])) for key in kept if key in now}
     return gone + ["\n      ".join([f"  {key}", *said]) for key, said in worse.items() if said]
@@ -164,7 +178,7 @@ def behind(entries: list[dict[str, Any]], record: Path) -> list[str]:
 
 def renew(ledger: Path, record: Path) -> None:
     """Put on record what the last build reached. Asked for by people only."""
-    entries = json.loads(ledger.read_text("utf-8"))["entries"]
+    entries = record_of(ledger)["entries"]
     refuse_failures(entries, [])
     text = json.dumps({entry["key"]: reached(entry) for entry in entries}, indent=1, sort_keys=True, ensure_ascii=False)
     inventory.write_atomically(record, text + "\n")
@@ -172,13 +186,22 @@ def renew(ledger: Path, record: Path) -> None:
 
 def gate(ledger: Path, record: Path, out: Path, *reports: Path) -> None:
     """Pass, or name every statement that failed or got worse, and take away the report that is no longer true."""
-    entries = json.loads(ledger.read_text("utf-8"))["entries"]
+    entries = record_of(ledger)["entries"]
     refuse_failures(entries, reports)
-    if worse := behind(entries, record):
+    now = {entry["key"]: reached(entry) for entry in entries}
+    kept = record_of(record)
+    if lacking := list(unrecorded(now, kept)):
+        withdraw(reports)
+        inventory.stop(f"No report: {record} does not say what was reached by {listed(lacking)}. If that is new: make record.")
+    if worse := behind(now, kept):
         withdraw(reports)
         head = f"No report: {len(worse)} statements are worse than {record} says. If that is meant: make record."
         inventory.stop("\n".join([head, *worse]))
     inventory.write_atomically(out, f"{len(entries)} statements passed\n")
+
+
+def listed(names: list[str], most: int = 5) -> str:
+    return "; ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
 
 
 def refuse_failures(entries: list[dict[str, Any]], reports: Sequence[Path]) -> None:

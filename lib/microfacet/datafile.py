@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import hashlib
-import os
+import io
 import sys
 import zipfile
+import zlib
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from microfacet.files import write
+
+TORN = (OSError, EOFError, ValueError, KeyError, AttributeError, RuntimeError, zlib.error, zipfile.BadZipFile)
 SEAL = "seal"  # the name under which a file keeps a digest of all else in it
 
 
@@ -26,27 +30,37 @@ def seal(arrays: dict[str, NDArray[Any]]) -> str:
 def store(path: str, **arrays: ArrayLike) -> None:
     """Write ``arrays`` to the .npz file ``path``, making its folder; an interrupted run leaves no torn file."""
     given = {name: np.asarray(values) for name, values in arrays.items()}
-    target = Path(path)
-    target.parent.mkdir(parents=True, exist_ok=True)
-    part = target.with_name(f"{target.name}.{os.getpid()}")
-    with part.open("wb") as file:
-        np.savez(file, allow_pickle=False, **given, **{SEAL: np.array(seal(given))})
-    os.replace(part, target)
+    file = io.BytesIO()
+    np.savez(file, allow_pickle=False, **given, **{SEAL: np.array(seal(given))})
+    write(path, file.getvalue())
 
 
 def load(path: str, made_in: str = "build/data") -> dict[str, NDArray[Any]]:
     """Read the arrays that ``store`` wrote; a file missing, torn, or changed since ends the program with one sentence."""
     remedy = f"run `snakemake {made_in}/{Path(path).stem}.npz` to make it"
     try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
+        arrays = _read(path)
     except FileNotFoundError:
         sys.exit(f"The data file {path} is missing: {remedy}.")
-    except (OSError, EOFError, ValueError, zipfile.BadZipFile):
+    except TORN:
         sys.exit(f"The data file {path} is torn or not a data file: delete it and {remedy}.")
     if SEAL in arrays and str(arrays.pop(SEAL)) != seal(arrays):
         sys.exit(f"The data file {path} has been changed since it was made: delete it and {remedy}.")
     return arrays
+
+
+def intact(path: str | Path) -> bool:
+    """Whether a file is one that ``store`` wrote, whole and unchanged."""
+    try:
+        arrays = _read(path)
+    except TORN:
+        return False
+    return SEAL in arrays and str(arrays.pop(SEAL)) == seal(arrays)
+
+
+def _read(path: str | Path) -> dict[str, NDArray[Any]]:
+    with np.load(path, allow_pickle=False) as file:
+        return {name: file[name] for name in file.files}
 
 
 def rounded(arrays: dict[str, ArrayLike], digits: int = 7) -> dict[str, NDArray[Any]]:

@@ -19,6 +19,7 @@ TOOLCHAIN = (
     "pyproject.toml",
     "requirements.lock",
     "CITATION.cff",
+    "lib/microfacet/files.py",
 )
 SKIPPED = shutil.ignore_patterns("__pycache__")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -85,11 +86,62 @@ def test_a_cross_keeps_its_box_and_its_distance(path: str, value: Any, sentence:
     assert lost(changed(f"marks.enclosed.measured.{path}", value, cross), cross) == [sentence]
 
 
-def test_a_statement_that_is_gone_is_named(tmp_path: Path) -> None:
-    record = tmp_path / "ledger.json"
-    record.write_text(json.dumps({"a.b": ledger.reached(ENTRY), "a.c": ledger.reached(ENTRY)}))
-    assert ledger.behind([ENTRY], record) == ["  a.c\n      on record, but stated no more"]
-    assert ledger.behind([ENTRY, ENTRY | {"key": "a.c"}], record) == []
+def test_a_statement_that_is_gone_is_named() -> None:
+    both = {"a.b": ledger.reached(ENTRY), "a.c": ledger.reached(ENTRY)}
+    assert ledger.behind({"a.b": ledger.reached(ENTRY)}, both) == ["  a.c\n      on record, but stated no more"]
+    assert ledger.behind(both, both) == []
+
+
+def leaves(record: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+    """The paths of all that a record says, folders first."""
+    if isinstance(record, dict):
+        for name, inner in record.items():
+            yield (*path, name)
+            yield from leaves(inner, (*path, name))
+
+
+REACHED = {"a.b": ledger.reached(ENTRY), "a.c": ledger.reached(changed("marks.enclosed.measured", BOX))}
+
+
+@pytest.mark.parametrize("path", list(leaves(REACHED)), ids=".".join)
+@pytest.mark.parametrize("value", ["gone", None, {}, [], "", float("nan"), float("inf"), -float("inf")], ids=repr)
+def test_a_record_that_says_less_than_was_reached_is_noticed(path: tuple[str, ...], value: Any) -> None:
+    record = copy.deepcopy(REACHED)
+    inner = record
+    for name in path[:-1]:
+        inner = inner[name]
+    if value == "gone":
+        del inner[path[-1]]
+    else:
+        inner[path[-1]] = value
+    assert [*ledger.unrecorded(REACHED, record)] or ledger.behind(REACHED, record)
+
+
+@pytest.mark.parametrize("text", ["", "{}", "[]", "null", "3", '{"a.b": ', "{}}", "[" * 100_000, "\x00", "\ud800"])
+def test_a_record_that_is_none_stops_the_gate(text: str, tmp_path: Path) -> None:
+    built, record, passed = tmp_path / "built.json", tmp_path / "ledger.json", tmp_path / "gate"
+    built.write_text(json.dumps({"entries": [ENTRY]}))
+    record.write_bytes(text.encode("utf-8", "surrogatepass"))
+    for _ in range(2):
+        with pytest.raises(SystemExit, match=r"The record \S+ is missing, torn or empty: .+\.\n$"):
+            ledger.gate(built, record, passed)
+        record.unlink(missing_ok=True)
+    assert not passed.exists()
+
+
+def test_a_statement_that_is_not_on_record_stops_the_gate(tmp_path: Path) -> None:
+    built, record, passed = tmp_path / "built.json", tmp_path / "ledger.json", tmp_path / "gate"
+    report = tmp_path / "report.pdf"
+    report.touch()
+    built.write_text(json.dumps({"entries": [ENTRY, ENTRY | {"key": "a.new"}]}))
+    record.write_text(json.dumps({"a.b": ledger.reached(ENTRY)}))
+    with pytest.raises(SystemExit, match=r"does not say what was reached by a\.new\. If that is new: make record\."):
+        ledger.gate(built, record, passed, report)
+    assert not passed.exists()
+    assert not report.exists()
+    ledger.renew(built, record)
+    ledger.gate(built, record, passed)
+    assert passed.exists()
 
 
 def test_only_a_green_ledger_goes_on_record(tmp_path: Path) -> None:
@@ -100,7 +152,7 @@ def test_only_a_green_ledger_goes_on_record(tmp_path: Path) -> None:
     assert not record.exists()
     built.write_text(json.dumps({"entries": [ENTRY]}))
     ledger.renew(built, record)
-    assert ledger.behind([ENTRY], record) == []
+    assert ledger.behind({"a.b": ledger.reached(ENTRY)}, ledger.record_of(record)) == []
 
 
 def test_every_statement_is_on_record() -> None:
