@@ -15,7 +15,7 @@ from microfacet.brdf.compensation import Compensated
 from microfacet.enough import candidates, cost
 from microfacet.enough.candidates import Candidate, ladder
 from microfacet.enough.choice import MEASURES, Choice, Comparison, choice, choose, sky
-from microfacet.enough.lobes import COLUMNS, ROWS, counted, lobe_of, nodes, rule_error, surface
+from microfacet.enough.lobes import COLUMNS, ROWS, counted, lobe_of, nodes, surface
 from microfacet.enough.scene import Point, Scene
 
 METAL = mf.Conductor(0.2, 3.9)
