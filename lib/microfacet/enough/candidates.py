@@ -86,7 +86,7 @@ class Candidate:
         """What it sends into each bin; the random walk's own is a mean over many walks."""
         if self.compensation == "walk":
             found = walked(scene, point, walks, self.ndf(point))
-            return Ruled(found.lobe, found.lobe - found.once.lobe + found.once.coarse)
+            return Ruled(found.lobe, found.once.coarse + (found.lobe - found.once.lobe))
         evaluate = self.evaluate(scene.material, point)
         return ruled(lambda wo, wi: evaluate(wo.astype(self.real), wi.astype(self.real)), scene, point)
 

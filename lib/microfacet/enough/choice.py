@@ -45,23 +45,17 @@ class Error(NamedTuple):
 # --- measures -------------------------------------------------------------------------------------------------------------
 
 
-def rule_error(lobe: Ruled, truth: Reference) -> Array:
-    """How far the rule over the bins is off at most, in each of them, in the difference of both lobes."""
-    off: Array = abs(lobe.lobe - lobe.coarse - truth.once.lobe + truth.once.coarse)
-    return off
-
-
 def albedo_error(lobe: Ruled, truth: Reference) -> Error:
     """Difference of the two sums."""
-    return Error(abs(float(lobe.lobe.sum() - truth.lobe.sum())), float(rule_error(lobe, truth).sum()) + _light_error(truth))
+    return Error(abs(float(lobe.lobe.sum() - truth.lobe.sum())), float(lobe.error(truth.once).sum()) + _light_error(truth))
 
 
 def lobe_error(lobe: Ruled, truth: Reference) -> Error:
     """Half the sum of all differences, over the light there is, which is not known exactly either."""
     light = float(truth.lobe.sum())
-    light_bound = _light_error(truth) + float(abs(truth.once.lobe - truth.once.coarse).sum())
+    light_bound = _light_error(truth) + float(truth.once.error().sum())
     off = 0.5 * float(abs(lobe.lobe - truth.lobe).sum())
-    bound = truth.misplaced() + 0.5 * float(rule_error(lobe, truth).sum())
+    bound = truth.misplaced() + 0.5 * float(lobe.error(truth.once).sum())
     return quotient(off, bound, light, light_bound)
 
 
@@ -187,10 +181,7 @@ class Comparison:
             seen, sent = (np.einsum("tij,ij->t", light, sums) for sums in (truth.lobe, lobe.lobe))
             scatter, rule, once = (
                 truth.bound(_seen_under(light)),
-                *(
-                    np.einsum("tij,ij->t", light, sums)
-                    for sums in (rule_error(lobe, truth), abs(truth.once.lobe - truth.once.coarse))
-                ),
+                *(np.einsum("tij,ij->t", light, sums) for sums in (lobe.error(truth.once), truth.once.error())),
             )
             found = [quotient(*numbers) for numbers in zip(abs(sent - seen), scatter + rule, seen, scatter + once, strict=True)]
             off[k], noise[k] = np.mean(found, axis=0)
@@ -257,10 +248,9 @@ class Choice:
                 f"None of the candidates is known to be enough. The nearest: {best.candidate.words}: {_numbers(best)}."
             )
         if undecided := self._undecided():
-            what = "surfaces" if self.scene.normals == "beckmann" else "walks"
-            lines.append(
-                f"Undecided of {undecided}{' cheaper' * bool(self.chosen)} candidate{'s' * (undecided > 1)}: more {what} would tell."
-            )
+            of = f"{undecided}{' cheaper' * bool(self.chosen)} candidate{'s' * (undecided > 1)}"
+            more = "surfaces" if self.scene.normals == "beckmann" else "walks"
+            lines.append(f"Undecided of {of}: more {more} would tell.")
         lines.append(f"Errors are relative to {self.reference}; each is within its bound but for odds of {ODDS:g}.")
         if self.beyond:
             far = f"{self.beyond.value:.2g} ± {self.beyond.bound:.1g}"

@@ -32,6 +32,7 @@ from microfacet.visibility.smith import Smith
 Array = NDArray[np.float64]
 ROWS, COLUMNS = 8, 12
 NODES = 12  # along either side of a bin
+FEWER = (6, 8, 9, 10)  # of rules to compare with; one is enough for what is smooth
 SIDE = 192  # rays along either side of a surface
 BOUNCES = 64  # on a surface; what is still under way then is lost, which happens to no ray in a million
 PARTS = 32  # of the random walks
@@ -53,10 +54,16 @@ class Nodes(NamedTuple):
 
 
 class Ruled(NamedTuple):
-    """A lobe by the rule over the bins, and by one of half as many nodes, whose difference tells the error."""
+    """A lobe by the rule over the bins, and by rules of fewer nodes (n, ROWS, COLUMNS), from which it differs by its error."""
 
     lobe: Array
     coarse: Array
+
+    def error(self, other: Ruled | None = None) -> Array:
+        """How far each bin is off at most; or by how much its difference from that of another lobe is."""
+        off = self.lobe - self.coarse
+        most: Array = abs(off if other is None else off - (other.lobe - other.coarse)).max(axis=0)
+        return most
 
 
 @lru_cache(maxsize=128)
@@ -105,8 +112,15 @@ def lobe_of(evaluate: Callable[[Array, Array], Array], scene: Scene, point: Poin
 
 
 def ruled(evaluate: Callable[[Array, Array], Array], scene: Scene, point: Point) -> Ruled:
-    """The lobe of a BRDF by both rules."""
-    return Ruled(*(lobe_of(evaluate, scene, point, fine) for fine in (NODES, NODES // 2)))
+    """The lobe of a BRDF by all rules."""
+    coarse = FEWER if total_reflection(scene.material) else FEWER[:1]
+    lobe, *others = (lobe_of(evaluate, scene, point, fine) for fine in (NODES, *coarse))
+    return Ruled(lobe, np.array(others))
+
+
+def total_reflection(fresnel: Fresnel) -> bool:
+    """Whether reflectance has a kink: where it does, two rules may agree by chance."""
+    return not isinstance(fresnel, Mirror) and float(fresnel.F(1e-6)) == 1.0
 
 
 def binned(values: Array, fine: int = NODES) -> Array:
@@ -155,7 +169,7 @@ class Reference(NamedTuple):
     rare: float = 0.0
     lossless: bool = False
     unknown: float = 0.0
-    once: Ruled = Ruled(np.zeros((ROWS, COLUMNS)), np.zeros((ROWS, COLUMNS)))
+    once: Ruled = Ruled(np.zeros((ROWS, COLUMNS)), np.zeros((1, ROWS, COLUMNS)))
 
     @property
     def lobe(self) -> Array:
