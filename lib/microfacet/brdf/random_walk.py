@@ -10,20 +10,22 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable
 from functools import cache
-from math import cos, exp, log, pi, sin, sqrt
+from math import cos, exp, expm1, log, log1p, pi, sin, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
 import sympy as sp
 
 from microfacet import balls
+from microfacet.brdf.later_bounces import SecondFacets
 from microfacet.brdf.specular import D_h, Microfacet, mu
+from microfacet.confidence import mean_bound
 from microfacet.directions import as_uniform, as_vectors, whole
 from microfacet.geometry import ggx
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
 from microfacet.kernels import Batch
-from microfacet.material.fresnel import Fresnel
+from microfacet.material.fresnel import Fresnel, Mirror
 from microfacet.notation import F, Lambda_i, Lambda_o, a, chi, om, raw, u, v
 from microfacet.statement import Equation
 from microfacet.visibility import shadowing
@@ -287,28 +289,84 @@ def next_height(view: Callable[..., float]) -> Callable[..., float]:
 
 
 @cache
-def walk(view: Callable[..., float], facet: Callable[..., Any], fresnel: Callable[..., float]) -> Batch:
-    """Where a walk from wo ends, with what weight, after how many bounces: (..., 3), (..., 2) -> (..., 5)."""
+def following(view: Callable[..., float], facet: Callable[..., Any], fresnel: Callable[..., float]) -> Callable[..., Any]:
+    """Where a walk ends that meets a facet at height u along (x, y, z), with what weight, after how many bounces."""
     height = next_height(view)
 
-    def walked(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float, float, float]:
-        if not oz > 0.0:
-            return 0.0, 0.0, 0.0, 0.0, 0.0
+    def followed(
+        x: float, y: float, z: float, u: float, u1: float, u2: float, p: Any
+    ) -> tuple[float, float, float, float, float]:
         key = stream(u1, u2, 0)
-        x, y, z = -ox, -oy, -oz
-        u, weight = 1.0, 1.0
+        weight = 1.0
         for bounce in range(LONGEST):
             at = STRIDE * bounce
-            u = height(u, x, y, z, drawn(key, at), p[0])
-            if not u < 1.0:
-                return x, y, z, weight, bounce * 1.0
             mx, my, mz = facet(-x, -y, -z, drawn(key, at + 1), drawn(key, at + 2), key, at + 3, p[0])
             cosine = -(x * mx + y * my + z * mz)
             weight *= fresnel(min(max(cosine, 0.0), 1.0), p[1])
             x, y, z = x + 2.0 * cosine * mx, y + 2.0 * cosine * my, z + 2.0 * cosine * mz
+            u = height(u, x, y, z, drawn(key, at + STRIDE), p[0])
+            if z > 0.0 and not u < 1.0:
+                return x, y, z, weight, bounce + 1.0
         return 0.0, 0.0, 0.0, weight, LONGEST * 1.0
 
+    return followed
+
+
+@cache
+def walk(view: Callable[..., float], facet: Callable[..., Any], fresnel: Callable[..., float]) -> Batch:
+    """Where a walk from wo ends, with what weight, after how many bounces: (..., 3), (..., 2) -> (..., 5)."""
+    height, followed = next_height(view), following(view, facet, fresnel)
+
+    def walked(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float, float, float]:
+        if not oz > 0.0:
+            return 0.0, 0.0, 0.0, 0.0, 0.0
+        u = height(1.0, -ox, -oy, -oz, drawn(stream(u1, u2, 0), 0), p[0])
+        return followed(-ox, -oy, -oz, u, u1, u2, p)
+
     return Batch(walked, [3, 2], 5)
+
+
+@cache
+def onward(view: Callable[..., float], facet: Callable[..., Any], fresnel: Callable[..., float]) -> Batch:
+    """The same for a walk that meets a facet at a height along a direction: (..., 3), (...), (..., 2) -> (..., 5)."""
+    return Batch(following(view, facet, fresnel), [3, 1, 2], 5)
+
+
+def steeper(u: float, p: Any) -> tuple[float, float]:
+    """The last number of a facet of GGX, with steep facets drawn more often, and how much less each of them counts."""
+    alpha = min(p[0][0], p[0][1])
+    steep = alpha * alpha
+    span = log1p(1.0 / steep)
+    rest = steep * expm1(span * u)
+    return max(1.0 - rest, 0.0), (rest + steep) * span
+
+
+def as_drawn(u: float, p: Any) -> tuple[float, float]:
+    """Of facets whose steep ones are rare enough to be left as they come."""
+    return u, 1.0
+
+
+STEEPER = {ggx_facet: steeper, beckmann_facet: as_drawn}
+
+
+@cache
+def connecting(
+    normals: Callable[..., float], view: Callable[..., float], fresnel: Callable[..., float]
+) -> Callable[..., float]:
+    """What the facet that a ray along (x, y, z) meets at height u sends to (ix, iy, iz), as a BRDF."""
+
+    def sends(x: float, y: float, z: float, ix: float, iy: float, iz: float, u: float, lit: float, p: Any) -> float:
+        hx, hy, hz = ix - x, iy - y, iz - z
+        length = sqrt(hx * hx + hy * hy + hz * hz)
+        if not hz > 0.0:
+            return 0.0
+        cosine = min(0.5 * length, 1.0)
+        density = normals(hx / length, hy / length, hz / length, p[0][0])
+        masked = view(x, y, z, p[0])
+        area = -z * (1.0 + masked) if z < 0.0 else z * masked
+        return stated_phase(fresnel(cosine, p[1]), density, area, cosine) * stated_survival(lit, u) / iz
+
+    return sends
 
 
 @cache
@@ -318,54 +376,59 @@ def connections(
     facet: Callable[..., Any],
     fresnel: Callable[..., float],
 ) -> Batch:
-    """What walks from wo send to wi from each facet they meet, as a BRDF: (..., 3), (..., 3), (..., 2) -> (..., 4).
+    """What walks from wo send to wi from each facet they meet, as a BRDF: (..., 3), (..., 3), (..., 2) -> (..., 5).
 
-    Means over the walks of the first bounce and of all later ones, and of the squares of these.
+    Means over the walks of the first bounce and of all later ones, of the squares of these, and the most that one walk sends
+    later. All walks go on after the first bounce; each counts as much as its chance to do so.
     """
-    height = next_height(view)
+    height, sends, steep = next_height(view), connecting(normals, view, fresnel), STEEPER[facet]
+
+    def later(
+        ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, u: float, lit: float, key: int, p: Any
+    ) -> float:
+        x, y, z = -ox, -oy, -oz
+        seen = view(ox, oy, oz, p[0])
+        weight, several = 1.0, 0.0
+        for bounce in range(LONGEST):
+            at = STRIDE * bounce
+            last, fewer = steep(drawn(key, at + 2), p[0]) if bounce == 0 else (drawn(key, at + 2), 1.0)
+            mx, my, mz = facet(-x, -y, -z, drawn(key, at + 1), last, key, at + 3, p[0])
+            cosine = -(x * mx + y * my + z * mz)
+            weight *= fewer * fresnel(min(max(cosine, 0.0), 1.0), p[1])
+            x, y, z = x + 2.0 * cosine * mx, y + 2.0 * cosine * my, z + 2.0 * cosine * mz
+            chance = drawn(key, at + STRIDE)
+            if bounce == 0 and z > 0.0:
+                hidden = view(x, y, z, p[0])
+                weight *= 1.0 / (1.0 + (1.0 + seen) / hidden) if hidden > 0.0 else 0.0
+                u = chance ** (1.0 / (1.0 + seen))
+            else:
+                u = height(u, x, y, z, chance, p[0])
+            if (z > 0.0 and not u < 1.0) or not weight > 0.0:
+                return several
+            several += weight * sends(x, y, z, ix, iy, iz, u, lit, p)
+        return several
 
     def sent(
         ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, u1: float, u2: float, p: Any
-    ) -> tuple[float, float, float, float]:
-        once = 0.0
-        often = 0.0
-        once_squared = 0.0
-        often_squared = 0.0
+    ) -> tuple[float, float, float, float, float]:
+        once, often, once_squared, often_squared, most = 0.0, 0.0, 0.0, 0.0, 0.0
         if not (oz > 0.0 and iz > 0.0):
-            return once, often, once_squared, often_squared
+            return once, often, once_squared, often_squared, most
         lit = view(ix, iy, iz, p[0])
         count = int(p[2][0])
         for number in range(count):
             key = stream(u1, u2, number)
-            x, y, z = -ox, -oy, -oz
-            u, weight = 1.0, 1.0
-            single, several = 0.0, 0.0
-            for bounce in range(LONGEST):
-                at = STRIDE * bounce
-                u = height(u, x, y, z, drawn(key, at), p[0])
-                if not u < 1.0:
-                    break
-                hx, hy, hz = ix - x, iy - y, iz - z
-                length = sqrt(hx * hx + hy * hy + hz * hz)
-                if hz > 0.0:
-                    cosine = min(0.5 * length, 1.0)
-                    density = normals(hx / length, hy / length, hz / length, p[0][0])
-                    masked = view(x, y, z, p[0])
-                    area = -z * (1.0 + masked) if z < 0.0 else z * masked
-                    share = weight * stated_phase(fresnel(cosine, p[1]), density, area, cosine) * stated_survival(lit, u) / iz
-                    single += share if bounce == 0 else 0.0
-                    several += share if bounce > 0 else 0.0
-                mx, my, mz = facet(-x, -y, -z, drawn(key, at + 1), drawn(key, at + 2), key, at + 3, p[0])
-                cosine = -(x * mx + y * my + z * mz)
-                weight *= fresnel(min(max(cosine, 0.0), 1.0), p[1])
-                x, y, z = x + 2.0 * cosine * mx, y + 2.0 * cosine * my, z + 2.0 * cosine * mz
+            u = height(1.0, -ox, -oy, -oz, drawn(key, 0), p[0])
+            single = sends(-ox, -oy, -oz, ix, iy, iz, u, lit, p)
+            several = later(ox, oy, oz, ix, iy, iz, u, lit, key, p)
             once += single / count
             often += several / count
             once_squared += single * single / count
             often_squared += several * several / count
-        return once, often, once_squared, often_squared
+            most = max(most, several)
+        return once, often, once_squared, often_squared, most
 
-    return Batch(sent, [3, 3, 2], 4)
+    return Batch(sent, [3, 3, 2], 5)
 
 
 # --- the model --------------------------------------------------------------------------------------------------------
@@ -374,7 +437,7 @@ AT_ONCE = 1 << 17  # walks held in memory
 
 
 class Estimate(NamedTuple):
-    """A mean over walks and its standard error."""
+    """A mean over walks and its error: a bound, or where that is said its standard error."""
 
     value: Any
     error: Any
@@ -393,12 +456,39 @@ class Bounces(NamedTuple):
     under_way: Any
 
 
+class Later(NamedTuple):
+    """Walks that went on after the first bounce: where they left (n, 3), 0 if they are still under way; what was left of their
+    light (n,); their bounces (n,); and how much each counts (n,), the mean of which is the share of all walks that go on."""
+
+    wi: Any
+    weight: Any
+    bounces: Any
+    counts: Any
+
+    def light(self, lossless: bool) -> tuple[float, float, float]:
+        """The share of their light that left, how far that is off at most, and the share that is still under way.
+
+        lossless: whether facets keep nothing, so that whatever is not under way has left. Else the share is a quotient of two
+        means, and its error that of what each walk adds to it.
+        """
+        total = self.counts.sum()
+        if not total > 0:
+            return 0.0, 1.0, 0.0
+        left = self.wi[:, 2] > 0
+        gone, under_way = (float((self.counts * self.weight)[which].sum() / total) for which in (left, ~left))
+        if lossless:
+            return gone, 0.0, under_way
+        counts = len(left) * self.counts / total
+        each = counts * (np.where(left, self.weight, 0.0) - gone)
+        return gone, float(mean_bound(np.mean(each**2), counts.max(), len(left))), under_way
+
+
 class RandomWalk:
     """Light after any number of bounces on a surface of Smith's model, height-correlated, over GGX or Beckmann. heitz2016.
 
     model: such a model. fresnel: the reflectance of a facet (None: F = 1); what a facet does not reflect is lost, as in a
-    conductor. Facets are mirrors and light takes straight rays. Results are means over random walks, with standard errors;
-    they depend on the seed, not on the number of threads. ValueError for other models, for numbers of walks below 2 and for
+    conductor. Facets are mirrors and light takes straight rays. Results are means over random walks, with their errors; they
+    depend on the seed, not on the number of threads. ValueError for other models, for numbers of walks below 2 and for
     seeds that are no whole numbers from 0.
     """
 
@@ -424,31 +514,53 @@ class RandomWalk:
 
     def evaluate(self, wo: Any, wi: Any, walks: int = 256, seed: int = 0) -> Estimate:
         """The BRDF, 1/sr, shapes (..., 3) -> (...): the first bounce exactly, later ones as a mean over so many walks from
-        wo; 0 if either direction is below the horizon. Where hardly any walk finds wi, the error is too small as well."""
+        wo; 0 if either direction is below the horizon. The error is a bound, but for odds of 1e-5, if no walk sends much more
+        to wi than the one that sends most did: five standard errors and 38 times this walk's part in the mean."""
         once = self.single.evaluate(wo, wi)
-        found = self.connections(wo, wi, walks, seed)[1]
-        return Estimate(once + found.value.astype(once.dtype), found.error.astype(once.dtype))
+        found, count = self._connected(wo, wi, walks, seed), whole("walks", walks, 2)
+        error = mean_bound(_scatter(found, count)[..., 1] ** 2 * count, found[..., 4], count)
+        return Estimate(once + found[..., 1].astype(once.dtype), error.astype(once.dtype))
 
     def connections(self, wo: Any, wi: Any, walks: int = 256, seed: int = 0) -> tuple[Estimate, Estimate]:
-        """The BRDF of the first bounce and that of all later ones, both as means over walks, 1/sr, (..., 3) -> (...).
+        """The BRDF of the first bounce and that of all later ones, both as means over walks, 1/sr, (..., 3) -> (...), with
+        standard errors. Where hardly any walk sends much to wi, these are too small; the error of `evaluate` is not."""
+        found = self._connected(wo, wi, walks, seed)
+        error = _scatter(found, whole("walks", walks, 2))
+        return Estimate(found[..., 0], error[..., 0]), Estimate(found[..., 1], error[..., 1])
 
-        Where the BRDF is so small that hardly any walk finds wi, the standard errors are too small as well."""
+    def _connected(self, wo: Any, wi: Any, walks: int, seed: int) -> Any:
         wo, wi, count = as_vectors("wo", wo), as_vectors("wi", wi), whole("walks", walks, 2)
         shape = np.broadcast_shapes(wo.shape[:-1], wi.shape[:-1])
         u = np.random.default_rng(whole("seed", seed, 0)).random((*shape, 2))
         rule = connections(type(self.model.ndf).kernel, *self._kernels)
-        found = rule([wo.astype(float), wi.astype(float), u], (*self.parameters, (float(count),)))
-        squares = np.maximum(found[..., 2:] - found[..., :2] ** 2, 0) / (count - 1)
-        return tuple(Estimate(found[..., k], np.sqrt(squares[..., k])) for k in (0, 1))  # type: ignore[return-value]
+        return rule([wo.astype(float), wi.astype(float), u], (*self.parameters, (float(count),)))
 
     def albedo(self, wo: Any, walks: int = 65536, seed: int = 0) -> Estimate:
         """Share of light from wo (..., 3) that is reflected (...): the first bounce by quadrature, later ones by walks.
 
-        Light still under way after `LONGEST` bounces is not in the value. It may yet leave, and is added to the error."""
+        All walks go on after the first bounce (`later`), and the share of light that does so is known from the quadrature. The
+        error is a bound, but for odds of 1e-5, given that those of `Microfacet.albedo_with_error` are. Light still under way
+        after `LONGEST` bounces is not in the value. It may yet leave, and is in the error."""
+        wo, count, seed = as_vectors("wo", wo).astype(float), whole("walks", walks, 2), whole("seed", seed, 0)
         once, error = self.single.albedo_with_error(wo)
-        _, later = self._sums(wo, walks, seed, 1)
-        mean, scatter = _mean(*later, walks)
-        return Estimate(once + mean[..., 0], np.hypot(error, scatter[..., 0]) + mean[..., 1])
+        on, on_error = self.going_on(wo)
+        found, lossless = np.zeros((3, *wo.shape[:-1])), isinstance(self.fresnel, Mirror)
+        for at in np.ndindex(wo.shape[:-1]):
+            if wo[(*at, 2)] > 0:
+                found[(slice(None), *at)] = self.later(wo[at], count, seed).light(lossless)
+        return Estimate(once + on * found[0], error + on_error + on * np.minimum(found[1] + found[2], 1))
+
+    def going_on(self, wo: Any) -> tuple[Any, Any]:
+        """Share (...) of walks from wo (..., 3) that meet a second facet, and its error, by quadrature."""
+        once, error = Microfacet(self.model).albedo_with_error(wo)
+        return np.where(as_vectors("wo", wo)[..., 2] > 0, np.clip(1 - once, 0, 1), 0.0), error
+
+    def later(self, wo: Any, walks: int, seed: Any = 0) -> Later:
+        """So many walks from one view wo (3,) above the horizon, all of which go on after the first bounce."""
+        rng = np.random.default_rng(seed)
+        start = SecondFacets(self.model, as_vectors("wo", wo).astype(float)).draw(whole("walks", walks, 1), rng)
+        found = onward(*self._kernels)([start.direction, start.height, rng.random((walks, 2))], self.parameters)
+        return Later(found[:, :3], self.fresnel.F(start.cosine) * found[:, 3], found[:, 4].astype(np.int64) + 1, start.weight)
 
     def albedo_by_bounce(self, wo: Any, walks: int = 65536, seed: int = 0, orders: int = 6) -> Bounces:
         """Shares of light from wo (..., 3) that leave after 1, 2, ..., `orders` bounces, from so many walks for each wo."""
@@ -480,6 +592,11 @@ class RandomWalk:
 
     def __repr__(self) -> str:
         return f"RandomWalk({self.model!r}, {type(self.fresnel).__name__}{self.fresnel.parameters})"
+
+
+def _scatter(found: Any, walks: int) -> Any:
+    """Standard errors of the means over walks that `connections` gives, from those of squares, (..., 2)."""
+    return np.sqrt(np.maximum(found[..., 2:4] - found[..., :2] ** 2, 0) / (walks - 1))
 
 
 def _mean(total: Any, squares: Any, walks: int) -> tuple[Any, Any]:

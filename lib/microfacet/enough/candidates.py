@@ -14,7 +14,7 @@ import numpy as np
 from microfacet.brdf.compensation import Compensated
 from microfacet.brdf.random_walk import RandomWalk
 from microfacet.brdf.specular import Microfacet
-from microfacet.enough.lobes import Array, lobe_of, walked
+from microfacet.enough.lobes import Ruled, ruled, walked
 from microfacet.enough.scene import NORMALS, PRECISIONS, Point, Scene
 from microfacet.geometry.slopes import Distribution
 from microfacet.material.fresnel import Fresnel, Mirror, Schlick
@@ -82,12 +82,13 @@ class Candidate:
         walk = RandomWalk(Smith(self.ndf(point)), brdf.fresnel)
         return lambda wo, wi: walk.evaluate(wo, wi, walks=2).value
 
-    def lobe(self, scene: Scene, point: Point, walks: int) -> Array:
+    def lobe(self, scene: Scene, point: Point, walks: int) -> Ruled:
         """What it sends into each bin; the random walk's own is a mean over many walks."""
         if self.compensation == "walk":
-            return walked(scene, point, walks, self.ndf(point)).lobe
+            found = walked(scene, point, walks, self.ndf(point))
+            return Ruled(found.lobe, found.once.coarse + (found.lobe - found.once.lobe))
         evaluate = self.evaluate(scene.material, point)
-        return lobe_of(lambda wo, wi: evaluate(wo.astype(self.real), wi.astype(self.real)), scene, point)
+        return ruled(lambda wo, wi: evaluate(wo.astype(self.real), wi.astype(self.real)), scene, point)
 
     @property
     def words(self) -> str:

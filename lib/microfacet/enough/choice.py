@@ -6,9 +6,10 @@ Sources: heitz2016 (the random walk), turquin2019 and kulla2017 (energy put back
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import takewhile
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,10 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from microfacet.brdf.specular import Microfacet
-from microfacet.directions import one_of, positive
+from microfacet.confidence import ODDS
+from microfacet.directions import one_of, positive, whole
 from microfacet.enough import cost
 from microfacet.enough.candidates import Candidate, ladder
-from microfacet.enough.lobes import Array, Reference, binned, lobe_of, nodes, rule_error, surface, walked
+from microfacet.enough.lobes import Array, Reference, Ruled, binned, lobe_of, nodes, surface, walked
 from microfacet.enough.scene import NORMALS, PRECISIONS, Point, Scene
 from microfacet.visibility.smith import Smith
 
@@ -43,17 +45,30 @@ class Error(NamedTuple):
 # --- measures -------------------------------------------------------------------------------------------------------------
 
 
-def albedo_error(lobe: Array, truth: Reference) -> Error:
+def albedo_error(lobe: Ruled, truth: Reference) -> Error:
     """Difference of the two sums."""
-    off = abs(float(lobe.sum() - truth.lobe.sum()))
-    return Error(off, 2 * float(truth.error(lambda lobes: lobes.sum(axis=(1, 2)))))
+    return Error(abs(float(lobe.lobe.sum() - truth.lobe.sum())), float(lobe.error(truth.once).sum()) + _light_error(truth))
 
 
-def lobe_error(lobe: Array, truth: Reference) -> Error:
-    """Half the sum of all differences, over the light there is; its bound is what noise alone would give."""
-    light = max(float(truth.lobe.sum()), 1e-300)
-    noise = 0.5 * math.sqrt(2 / math.pi) * float(truth.error().sum())
-    return Error(0.5 * float(np.abs(lobe - truth.lobe).sum()) / light, noise / light)
+def lobe_error(lobe: Ruled, truth: Reference) -> Error:
+    """Half the sum of all differences, over the light there is, which is not known exactly either."""
+    light = float(truth.lobe.sum())
+    light_bound = _light_error(truth) + float(truth.once.error().sum())
+    off = 0.5 * float(abs(lobe.lobe - truth.lobe).sum())
+    bound = truth.misplaced() + 0.5 * float(lobe.error(truth.once).sum())
+    return quotient(off, bound, light, light_bound)
+
+
+def quotient(above: float, above_bound: float, below: float, below_bound: float) -> Error:
+    """A quotient of two numbers that are known within bounds; nothing is known of it where the one below may be 0."""
+    if not below > below_bound:
+        return Error(0.0, math.inf)
+    value = above / below
+    return Error(value, (above + above_bound) / (below - below_bound) - value)
+
+
+def _light_error(truth: Reference) -> float:
+    return float(truth.bound(lambda lobes: lobes.sum(axis=(1, 2))))
 
 
 def sky(w: Array) -> Array:
@@ -113,9 +128,9 @@ class Comparison:
     def __init__(
         self, scene: Scene, surfaces: int = SURFACES, walks: int = WALKS, points: tuple[Point, ...] | None = None
     ) -> None:
-        self.scene, self.surfaces, self.walks = scene, surfaces, walks
+        self.scene, self.surfaces, self.walks = scene, whole("surfaces", surfaces, 2), whole("walks", walks, 2)
         self.points = scene.points if points is None else points
-        self._lobes: dict[Candidate, list[Array]] = {}
+        self._lobes: dict[Candidate, list[Ruled]] = {}
 
     @cached_property
     def candidates(self) -> list[Candidate]:
@@ -128,13 +143,7 @@ class Comparison:
             return [surface(self.scene, point, self.surfaces) for point in self.points]
         return [walked(self.scene, point, self.walks) for point in self.points]
 
-    @cached_property
-    def rule(self) -> list[float]:
-        """The error of the rule over the bins, at each point."""
-        kind = NORMALS[self.scene.normals]
-        return [rule_error(Microfacet(Smith(kind(p.alpha_x, p.alpha_y))).evaluate, self.scene, p) for p in self.points]
-
-    def lobes(self, one: Candidate) -> list[Array]:
+    def lobes(self, one: Candidate) -> list[Ruled]:
         if one not in self._lobes:
             self._lobes[one] = [one.lobe(self.scene, point, self.walks) for point in self.points]
         return self._lobes[one]
@@ -144,11 +153,9 @@ class Comparison:
         if measure == "picture":
             return self._worst([self._picture(one, group) for group in self._rings()])
         of = {"albedo": albedo_error, "lobe": lobe_error}[measure]
-        found = [of(lobe, truth) for lobe, truth in zip(self.lobes(one), self.truth, strict=True)]
-        return self._worst([Error(e.value, e.bound + rule) for e, rule in zip(found, self.rule, strict=True)])
+        return self._worst([of(lobe, truth) for lobe, truth in zip(self.lobes(one), self.truth, strict=True)])
 
-    def _worst(self, found: Iterable[Error]) -> Measured:
-        errors = list(found)
+    def _worst(self, errors: list[Error]) -> Measured:
         worst = max(errors, key=lambda error: error.value + error.bound)
         least = max(max(error.value - error.bound, 0.0) for error in errors)
         return Measured(worst, least, worst.value + worst.bound)
@@ -171,10 +178,13 @@ class Comparison:
         off, noise = np.zeros(len(ring)), np.zeros(len(ring))
         for k, at in enumerate(ring):
             light, truth, lobe = self._skies[at], self.truth[at], self.lobes(one)[at]
-            seen = np.einsum("tij,ij->t", light, truth.lobe)
-            scatter = truth.error(_seen_under(light))
-            off[k] = np.mean(np.abs(np.einsum("tij,ij->t", light, lobe) - seen) / seen)
-            noise[k] = np.mean(2 * scatter / seen) + self.rule[at] / max(float(truth.lobe.sum()), 1e-300)
+            seen, sent = (np.einsum("tij,ij->t", light, sums) for sums in (truth.lobe, lobe.lobe))
+            scatter, rule, once = (
+                truth.bound(_seen_under(light)),
+                *(np.einsum("tij,ij->t", light, sums) for sums in (lobe.error(truth.once), truth.once.error())),
+            )
+            found = [quotient(*numbers) for numbers in zip(abs(sent - seen), scatter + rule, seen, scatter + once, strict=True)]
+            off[k], noise[k] = np.mean(found, axis=0)
         return Error(float(area @ off / area.sum()), float(area @ noise / area.sum()))
 
 
@@ -237,11 +247,20 @@ class Choice:
             lines.append(
                 f"None of the candidates is known to be enough. The nearest: {best.candidate.words}: {_numbers(best)}."
             )
-        lines.append(f"Errors are relative to {self.reference}.")
+        if undecided := self._undecided():
+            of = f"{undecided}{' cheaper' * bool(self.chosen)} candidate{'s' * (undecided > 1)}"
+            more = "surfaces" if self.scene.normals == "beckmann" else "walks"
+            lines.append(f"Undecided of {of}: more {more} would tell.")
+        lines.append(f"Errors are relative to {self.reference}; each is within its bound but for odds of {ODDS:g}.")
         if self.beyond:
             far = f"{self.beyond.value:.2g} ± {self.beyond.bound:.1g}"
             lines.append(f"For Gaussian slopes of the largest roughness that model itself is {far} from ray-traced surfaces.")
         return "\n".join(lines)
+
+    def _undecided(self) -> int:
+        """How many of those cheaper than the chosen one, or of all, may be within the tolerance or beyond."""
+        before = takewhile(lambda row: row.verdict != "within", self.rows)
+        return sum(row.verdict == "open" for row in before)
 
     def table(self) -> str:
         """All candidates, the cheapest first, in Markdown."""
@@ -323,8 +342,9 @@ def choose(
 
     The most complete model has exact Fresnel reflectance at each bounce, and all bounces unless the scene says one: for
     Gaussian slopes, so many ray-traced `surfaces`; for GGX, of which nobody has a surface, Smith's random walk, from so many
-    `walks` a point. A candidate is within if its error and the bound on what is not known of it are. ValueError for a scene,
-    a tolerance, a measure or costs that are none. heitz2014; heitz2016.
+    `walks` a point. A candidate is within if its error and the bound on what is not known of it are, beyond if its error less
+    this bound is, and else undecided; a bound fails with odds of 1e-5. surfaces, walks: at least 2 each. ValueError for a
+    scene, a tolerance, a measure, costs or numbers that are none. heitz2014; heitz2016.
     """
     tolerance = positive("tolerance", tolerance)
     one_of("measure", measure, MEASURES)
@@ -391,7 +411,8 @@ def sampler(comparison: Comparison, one: Candidate, name: str, costs: cost.Costs
             return np.where(density > 0, values * values * cosine / np.where(density > 0, density, 1), 0.0)
 
         mean = float(lobe_of(evaluate, comparison.scene, point).sum())
-        squares.append(float(lobe_of(square, comparison.scene, point).sum()) / mean**2)
+        light = float(lobe_of(square, comparison.scene, point).sum())
+        squares.append(light / mean**2 if mean**2 > 0 else math.inf)
     return costs.get(cost.sampler_name(name, one.normals, one.real), math.nan), max(squares)
 
 

@@ -19,8 +19,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from microfacet.brdf.random_walk import RandomWalk
+from microfacet.brdf.random_walk import Later, RandomWalk
 from microfacet.brdf.specular import Microfacet
+from microfacet.confidence import RARE, student
 from microfacet.enough.scene import NORMALS, Point, Scene
 from microfacet.geometry.slopes import Distribution
 from microfacet.material.fresnel import Fresnel, Mirror
@@ -31,9 +32,10 @@ from microfacet.visibility.smith import Smith
 Array = NDArray[np.float64]
 ROWS, COLUMNS = 8, 12
 NODES = 12  # along either side of a bin
+FEWER = (6, 8, 9, 10)  # of rules to compare with; one is enough for what is smooth
 SIDE = 192  # rays along either side of a surface
 BOUNCES = 64  # on a surface; what is still under way then is lost, which happens to no ray in a million
-PARTS = 16  # of the random walks
+PARTS = 32  # of the random walks
 ROOT = 11  # of the seeds of the surfaces
 LONGEST = 6.0  # correlation lengths in a period, at least
 
@@ -42,10 +44,26 @@ LONGEST = 6.0  # correlation lengths in a period, at least
 
 
 class Nodes(NamedTuple):
-    """Light directions (n, 3), what each stands for (the solid angle times cos theta_i), and what may be evaluated of them."""
+    """Light directions (n, 3), what each stands for (the solid angle times cos theta_i), its polar angle in degrees, and how
+    far to either side of that its neighbourhood reaches."""
 
     wi: Array
     weight: Array
+    theta: Array
+    reach: Array
+
+
+class Ruled(NamedTuple):
+    """A lobe by the rule over the bins, and by rules of fewer nodes (n, ROWS, COLUMNS), from which it differs by its error."""
+
+    lobe: Array
+    coarse: Array
+
+    def error(self, other: Ruled | None = None) -> Array:
+        """How far each bin is off at most; or by how much its difference from that of another lobe is."""
+        off = self.lobe - self.coarse
+        most: Array = abs(off if other is None else off - (other.lobe - other.coarse)).max(axis=0)
+        return most
 
 
 @lru_cache(maxsize=128)
@@ -58,20 +76,24 @@ def nodes(point: Point, fine: int = NODES) -> Nodes:
     dx, dy = point.alpha_x * np.cos(angle), point.alpha_y * np.sin(angle)
     rim = _rim(point.wo, dx, dy)
     x, w = np.polynomial.legendre.leggauss(fine)
-    rows = np.arcsin(np.sqrt(np.arange(ROWS + 1) / ROWS))[:, None]  # GGX has its slopes evenly in the sine's square
-    edges = np.minimum(rows, np.arctan(rim))
+    with np.errstate(divide="ignore"):
+        rows = np.sqrt(np.arange(ROWS + 1) / np.arange(ROWS, -1, -1))[:, None]  # GGX has as many slopes between any two
+    edges = np.arcsinh(np.minimum(rows, rim))  # evenly near the centre, in equal ratios in the tails
     middle, half = (edges[1:] + edges[:-1])[:, None] / 2, np.diff(edges, axis=0)[:, None] / 2
-    lean = (middle + half * x[:, None]).reshape(ROWS * fine, -1)
-    radius, share = np.tan(lean), (half * w[:, None]).reshape(ROWS * fine, -1) / angle.size
+    radius = np.sinh(middle + half * x[:, None]).reshape(ROWS * fine, -1)
+    share = (half * w[:, None]).reshape(ROWS * fine, -1) / angle.size
     slope_x, slope_y = radius * dx, radius * dy
     upright = 1 / np.sqrt(1 + slope_x**2 + slope_y**2)
     wm = np.stack([-slope_x * upright, -slope_y * upright, upright], axis=-1)
     cosine = wm @ point.wo
     wi = 2 * cosine[..., None] * wm - point.wo
-    area = 2 * math.pi * point.alpha_x * point.alpha_y * radius * (1 + radius**2) * upright**3 * share
+    area = 2 * math.pi * point.alpha_x * point.alpha_y * radius * np.sqrt(1 + radius**2) * upright**3 * share
     weight = np.where((cosine > 0) & (wi[..., 2] > 0), 4 * cosine * area * wi[..., 2], 0.0)
     wi /= np.linalg.norm(wi, axis=-1, keepdims=True)
-    return Nodes(wi.reshape(-1, 3), weight.ravel())
+    theta = np.degrees(np.arctan2(np.hypot(wi[..., 0], wi[..., 1]), wi[..., 2]))
+    steps = np.gradient(np.pad(theta, ((0, 0), (1, 1)), "wrap"))
+    reach = sum(abs(step[:, 1:-1]) for step in steps) / 2
+    return Nodes(wi.reshape(-1, 3), weight.ravel(), theta.ravel(), reach.ravel())
 
 
 def _rim(wo: Array, dx: Array, dy: Array) -> Array:
@@ -85,8 +107,20 @@ def _rim(wo: Array, dx: Array, dy: Array) -> Array:
 def lobe_of(evaluate: Callable[[Array, Array], Array], scene: Scene, point: Point, fine: int = NODES) -> Array:
     """The lobe of a BRDF, given as a function of view and lights."""
     rule = nodes(point, fine)
-    light = np.asarray(evaluate(point.wo, rule.wi), float) * rule.weight * scene.lit(rule.wi)
+    light = np.asarray(evaluate(point.wo, rule.wi), float) * rule.weight * scene.lit_share(rule.theta, rule.reach)
     return binned(light, fine)
+
+
+def ruled(evaluate: Callable[[Array, Array], Array], scene: Scene, point: Point) -> Ruled:
+    """The lobe of a BRDF by all rules."""
+    coarse = FEWER if total_reflection(scene.material) else FEWER[:1]
+    lobe, *others = (lobe_of(evaluate, scene, point, fine) for fine in (NODES, *coarse))
+    return Ruled(lobe, np.array(others))
+
+
+def total_reflection(fresnel: Fresnel) -> bool:
+    """Whether reflectance has a kink: where it does, two rules may agree by chance."""
+    return not isinstance(fresnel, Mirror) and float(fresnel.F(1e-6)) == 1.0
 
 
 def binned(values: Array, fine: int = NODES) -> Array:
@@ -119,58 +153,103 @@ def counted(scene: Scene, point: Point, wi: Array, weight: Array) -> Array:
     return (lobe + lobe[:, ::-1]) / 2 if point.isotropic else lobe
 
 
-def rule_error(evaluate: Callable[[Array, Array], Array], scene: Scene, point: Point) -> float:
-    """How much light the rule over the bins gains or loses: twice what a rule of twice the nodes makes of it."""
-    sums = [float(lobe_of(evaluate, scene, point, fine).sum()) for fine in (NODES, 2 * NODES)]
-    return 2 * abs(sums[0] - sums[1])
-
-
 # --- the most complete model ----------------------------------------------------------------------------------------------
 
 
 class Reference(NamedTuple):
-    """A lobe from independent parts (n, ROWS, COLUMNS), whose scatter tells its error; and in words what it is."""
+    """A lobe as a mean of independent parts (n, ROWS, COLUMNS), whose scatter tells its error; and in words what it is.
+
+    drawn: the light that was followed at random. rare: the share of it that may be where hardly any was found. lossless:
+    whether all of it is in the lobe. unknown: light that may be anywhere. once: what was found by the rule over the bins.
+    """
 
     lobes: Array
     words: str
+    drawn: float = 0.0
+    rare: float = 0.0
+    lossless: bool = False
+    unknown: float = 0.0
+    once: Ruled = Ruled(np.zeros((ROWS, COLUMNS)), np.zeros((1, ROWS, COLUMNS)))
 
     @property
     def lobe(self) -> Array:
         mean: Array = self.lobes.mean(axis=0)
         return mean
 
-    def error(self, of: Callable[[Array], Array] = lambda lobes: lobes) -> Array:
-        """Standard error of a linear function of lobes (n, ROWS, COLUMNS) -> (n, ...)."""
-        scatter: Array = np.std(of(self.lobes), axis=0, ddof=1) / math.sqrt(len(self.lobes))
-        return scatter
+    def bound(self, of: Callable[[Array], Array]) -> Array:
+        """How far a linear function of lobes (n, ROWS, COLUMNS) -> (n, ...) is off at most, but for odds of `ODDS`."""
+        each = of(np.eye(ROWS * COLUMNS).reshape(-1, ROWS, COLUMNS))
+        none = each[:1] if self.lossless else np.zeros_like(each[:1])
+        span = self.drawn * np.ptp(np.concatenate([each, none]), axis=0)
+        scatter = np.std(of(self.lobes), axis=0, ddof=1) / math.sqrt(len(self.lobes))
+        off: Array = np.minimum(student(len(self.lobes)) * scatter + self.rare * span, span) + self.unknown * abs(each).max(
+            axis=0
+        )
+        return off
+
+    def misplaced(self) -> float:
+        """How much light is in wrong bins at most: half the sum over bins, as it would be for other walks or surfaces.
+
+        Parts are as far from their mean as this mean is from the truth, but for a factor, and so their distances foretell its.
+        """
+        count = len(self.lobes)
+        apart = 0.5 * abs(self.lobes - self.lobe).sum(axis=(1, 2)) / math.sqrt(count - 1)
+        likely = float(apart.mean()) + student(count) * float(np.std(apart, ddof=1)) * math.sqrt(1 + 1 / count)
+        return min(likely + self.rare * self.drawn, self.drawn) + self.unknown
 
 
 def surface(scene: Scene, point: Point, surfaces: int) -> Reference:
     """From ray-traced Gaussian surfaces, whose distribution of normals is Beckmann's; every bounce with its reflectance."""
-    lobes = [_traced(field, scene, point, k) for k, field in enumerate(_fields(point.alpha_x, point.alpha_y, surfaces))]
-    return Reference(np.array(lobes), f"{surfaces} ray-traced surfaces")
+    fields = _fields(point.alpha_x, point.alpha_y, surfaces)
+    lobes, rest = zip(*(_traced(field, scene, point, k) for k, field in enumerate(fields)), strict=True)
+    rare = RARE / (SIDE**2 * surfaces)
+    return Reference(np.array(lobes), f"{surfaces} ray-traced surfaces", 1.0, rare, _lossless(scene), max(rest))
 
 
 def walked(scene: Scene, point: Point, walks: int, ndf: Distribution | None = None) -> Reference:
-    """From Smith's random walk: the first bounce by the rule over the bins, all others from so many walks, in `PARTS`.
+    """From Smith's random walk: the first bounce by the rule over the bins, all others from so many walks that go on.
 
     ndf: the distribution of normals, by default the scene's.
 
-    How many of the walks go on after the first bounce is known exactly: what mirrors do not send out at once.
+    How much light goes on is known exactly: what mirrors do not send out at once.
     """
     model = Smith(NORMALS[scene.normals](point.alpha_x, point.alpha_y) if ndf is None else ndf)
-    once = lobe_of(Microfacet(model, scene.material).evaluate, scene, point)
+    once = ruled(Microfacet(model, scene.material).evaluate, scene, point)
     if scene.bounces == "one":
-        return Reference(np.array([once, once]), "Smith's model")
-    walk, going_on = RandomWalk(model, scene.material), 1 - float(Microfacet(model).albedo(point.wo))
-    lobes = []
-    for part in range(PARTS):
-        u = np.random.default_rng([ROOT, part]).random((walks // PARTS, 2))
-        wi, light, bounces = walk.sample(point.wo, u)
-        more = bounces > 1
-        out = more & (wi[:, 2] > 0)
-        lobes.append(once + going_on / max(more.sum(), 1) * counted(scene, point, wi[out], light[out]))
-    return Reference(np.array(lobes), "Smith's random walk")
+        return Reference(np.array([once.lobe, once.lobe]), "Smith's model", once=once)
+    walk = RandomWalk(model, scene.material)
+    going_on, error = map(float, walk.going_on(point.wo))
+    later, rare, under_way = _later(walk.later(point.wo, walks, ROOT), scene, point)
+    unknown = error + going_on * under_way
+    return Reference(once.lobe + going_on * later, "Smith's random walk", going_on, rare, _lossless(scene), unknown, once)
+
+
+def _later(found: Later, scene: Scene, point: Point) -> tuple[Array, float, float]:
+    """Lobes of the light that goes on, in parts of the walks; the share of it that may be where hardly any walk went; and the
+    share that is under way.
+
+    Walks count in proportion to their weights, and so each part is corrected for what it has too much of these.
+    """
+    parts = min(PARTS, len(found.counts))
+    total = found.counts.sum()
+    if not total > 0:
+        return np.zeros((2, ROWS, COLUMNS)), 1.0, 0.0
+    share, out = parts * found.counts / total, found.wi[:, 2] > 0
+    lobes, much = [], np.empty(parts)
+    for part in range(parts):
+        mine = np.arange(part, len(share), parts)
+        left = mine[out[mine]]
+        much[part] = share[mine].sum()
+        lobes.append(counted(scene, point, found.wi[left], share[left] * found.weight[left]))
+    mean = np.mean(lobes, axis=0)
+    even = np.array(lobes) - (much - 1)[:, None, None] * mean
+    light = np.where(out, 0.0, found.weight)
+    return even, RARE * float(found.counts.max() / total), float((found.counts * light).sum() / total)
+
+
+def _lossless(scene: Scene) -> bool:
+    """Whether all light is in the lobe, since facets keep none and it counts wherever it leaves."""
+    return isinstance(scene.material, Mirror) and scene.bounces == "all" and scene.light == (0.0, 90.0)
 
 
 @lru_cache(maxsize=2)
@@ -185,8 +264,8 @@ def _family(alpha_x: float, alpha_y: float) -> GaussianField:
     return GaussianField(2 ** math.ceil(math.log2(max(512.0, 1.1 * LONGEST * length))), alpha_x, alpha_y, root=ROOT)
 
 
-def _traced(field: HeightField, scene: Scene, point: Point, k: int) -> Array:
-    """The light that leaves one surface, followed from one ray in each square of a grid."""
+def _traced(field: HeightField, scene: Scene, point: Point, k: int) -> tuple[Array, float]:
+    """The light that leaves one surface, followed from one ray in each square of a grid; and what is then still under way."""
     rng = np.random.default_rng([ROOT, k])
     square = np.stack(np.meshgrid(*2 * [np.arange(SIDE)], indexing="ij"), axis=-1).reshape(-1, 2)
     places = field.size / SIDE * (square + rng.uniform(size=square.shape))
@@ -199,12 +278,12 @@ def _traced(field: HeightField, scene: Scene, point: Point, k: int) -> Array:
         if bounce and (scene.bounces == "all" or bounce == 1):
             lobe += counted(scene, point, directions[out], light[out])
         on = hits.facet >= 0
+        facets, light = hits.facet[on], light[on]
         if not on.any():
             break
-        facets, light = hits.facet[on], light[on]
         origins = field.points(origins[on], directions[on], hits.distance[on])
         directions, light = _mirrored(field.normals(facets), directions[on], light, scene.material)
-    return lobe / SIDE**2
+    return lobe / SIDE**2, float(light.sum()) / SIDE**2
 
 
 def _mirrored(wm: Array, d: Array, light: Array, fresnel: Fresnel) -> tuple[Array, Array]:

@@ -102,6 +102,14 @@ class Scene:
         inside: NDArray[np.bool_] = (theta >= self.light[0]) & (theta <= self.light[1]) & (wi[..., 2] > 0)
         return inside
 
+    def lit_share(self, theta: Array, reach: Array) -> Array:
+        """Of the polar angles that reach so far to either side of theta, degrees, the share that lies in the scene's range."""
+        low, high = np.maximum(theta - reach, 0.0), np.minimum(theta + reach, 90.0)
+        inside = np.maximum(np.minimum(high, self.light[1]) - np.maximum(low, self.light[0]), 0.0)
+        alone = ((theta >= self.light[0]) & (theta <= self.light[1])).astype(float)
+        share: Array = np.divide(inside, high - low, out=alone, where=high > low)
+        return share
+
     def __str__(self) -> str:
         told = [
             f"alpha {_words(self.alpha)}",
