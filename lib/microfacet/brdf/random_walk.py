@@ -24,6 +24,7 @@ from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
 from microfacet.kernels import Batch
 from microfacet.material.fresnel import Fresnel
+from microfacet.model import Model
 from microfacet.notation import F, Lambda_i, Lambda_o, a, chi, om, raw, u, v
 from microfacet.statement import Equation
 from microfacet.visibility import shadowing
@@ -393,7 +394,7 @@ class Bounces(NamedTuple):
     under_way: Any
 
 
-class RandomWalk:
+class RandomWalk(Model):
     """Light after any number of bounces on a surface of Smith's model, height-correlated, over GGX or Beckmann. heitz2016.
 
     model: such a model. fresnel: the reflectance of a facet (None: F = 1); what a facet does not reflect is lost, as in a
