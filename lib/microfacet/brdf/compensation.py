@@ -19,6 +19,7 @@ from microfacet.brdf.specular import Microfacet, Reflected, evaluation_of, mu
 from microfacet.directions import vectors
 from microfacet.kernels import Batch
 from microfacet.material.fresnel import F0, c, schlick_F
+from microfacet.model import Model
 from microfacet.notation import raw
 from microfacet.statement import Equation
 from microfacet.visibility.masking import over_pairs
@@ -252,7 +253,7 @@ def compensated(single: Callable[..., float], form: str, steps: int, turns: int)
 stated_scale = scale.scalar
 
 
-class Compensated:
+class Compensated(Model):
     """A BRDF of one bounce with the light of later bounces made up for. kulla2017; turquin2019.
 
     brdf: of a model of masking. form: "lobe" adds a lobe that knows two cosines only, "scaled" makes the first bounce

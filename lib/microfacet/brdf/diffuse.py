@@ -14,6 +14,7 @@ from microfacet.brdf.specular import rounding
 from microfacet.directions import as_vectors, positive, spherical, vectors
 from microfacet.geometry.slopes import P22_at_m, normals_from_slopes, normals_integral, solid_angle
 from microfacet.kernels import Batch
+from microfacet.model import Model
 from microfacet.notation import G1, G2, P22, chi, mu_i, mu_o, phi, phi_i, raw, theta_i, theta_o, wm, x, y
 from microfacet.statement import Equation
 from microfacet.visibility.masking import Masking, over_pairs
@@ -258,7 +259,7 @@ def light_directions(heights: int, turns: int) -> tuple[np.ndarray, np.ndarray]:
     return spherical(np.arccos(z), azimuth).reshape(-1, 3), weight
 
 
-class Diffuse:
+class Diffuse(Model):
     """The BRDF of matt facets over a model of masking and shadowing, by quadrature. oren1994; heitz2014.
 
     albedo: the share of light that a facet scatters, in (0, 1]. Light that meets a second facet is not followed.

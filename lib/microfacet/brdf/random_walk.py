@@ -26,6 +26,7 @@ from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
 from microfacet.kernels import Batch
 from microfacet.material.fresnel import Fresnel, Mirror
+from microfacet.model import Model
 from microfacet.notation import F, Lambda_i, Lambda_o, a, chi, om, raw, u, v
 from microfacet.statement import Equation
 from microfacet.visibility import shadowing
@@ -483,7 +484,7 @@ class Later(NamedTuple):
         return gone, float(mean_bound(np.mean(each**2), counts.max(), len(left))), under_way
 
 
-class RandomWalk:
+class RandomWalk(Model):
     """Light after any number of bounces on a surface of Smith's model, height-correlated, over GGX or Beckmann. heitz2016.
 
     model: such a model. fresnel: the reflectance of a facet (None: F = 1); what a facet does not reflect is lost, as in a

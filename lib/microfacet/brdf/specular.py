@@ -17,6 +17,7 @@ from microfacet.geometry.ggx import GGX
 from microfacet.kernels import Batch, Parameters
 from microfacet.material.fresnel import Fresnel, Mirror
 from microfacet.material.reflection import half_vector, i_vector, o_vector, reflected, weak_furnace
+from microfacet.model import Model
 from microfacet.notation import G1, D, F, Lambda_i, Lambda_o, im, mu_i, mu_o, om, raw
 from microfacet.proofs import under_integral
 from microfacet.statement import Equation
@@ -344,7 +345,7 @@ class Reflected(NamedTuple):
         return both[..., 0], abs(both[..., 0] - both[..., 1]) + rounding(both[..., 0])
 
 
-class Microfacet:
+class Microfacet(Model):
     """The BRDF of mirror facets: model of masking and shadowing, and Fresnel reflectance (None: F = 1). walter2007."""
 
     def __init__(self, model: Masking, fresnel: Fresnel | None = None) -> None:

@@ -18,6 +18,7 @@ import sympy as sp
 
 from microfacet.directions import numbers, uniform, vectors
 from microfacet.kernels import Batch, Parameters
+from microfacet.model import Model
 from microfacet.notation import P22, Direction, alpha_x, alpha_y, chi, raw, x, y
 from microfacet.statement import Equation
 
@@ -108,7 +109,7 @@ with sp.evaluate(False):
 # --- what every distribution shares ---------------------------------------------------------------------------------
 
 
-class Distribution:
+class Distribution(Model):
     """A distribution of normals D, 1/sr, over unit microfacet normals.
 
     parameters: what its kernels take as their last argument. scale: the two slope scales a quadrature should resolve; where

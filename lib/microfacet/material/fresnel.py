@@ -12,6 +12,7 @@ import sympy as sp
 
 from microfacet.directions import numbers, positive, within
 from microfacet.kernels import Batch, Parameters, packed
+from microfacet.model import Model
 from microfacet.notation import raw
 from microfacet.statement import Equation
 
@@ -226,7 +227,7 @@ with sp.evaluate(False):
 # --- what a BRDF takes ------------------------------------------------------------------------------------------------
 
 
-class Fresnel:
+class Fresnel(Model):
     """A reflectance as a function of the cosine between light and facet normal."""
 
     kernel: ClassVar[Callable[..., float]]  # F(cosine, parameters)
@@ -238,6 +239,9 @@ class Fresnel:
         if not np.all((values >= 0) & (values <= 1)):
             raise ValueError(f"cosine must lie in [0, 1], got {values.min()} to {values.max()}")
         return _over_cosines(type(self).kernel)([values], self.parameters)
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({', '.join(map(repr, self.parameters))})"
 
 
 @cache

@@ -15,6 +15,7 @@ import sympy as sp
 from microfacet.directions import uniform, vectors
 from microfacet.geometry.slopes import Distribution, normals_integral
 from microfacet.kernels import Batch, Parameters
+from microfacet.model import Model
 from microfacet.notation import G1, D, mu_o, om, raw
 from microfacet.statement import Equation
 
@@ -60,7 +61,7 @@ with sp.evaluate(False):
 # --- what every model shares ------------------------------------------------------------------------------------------
 
 
-class Masking:
+class Masking(Model):
     """A model of masking and shadowing over a distribution of normals.
 
     ndf: the distribution. parameters: what the kernels take last: the distribution's parameters, then the model's own.
