@@ -353,7 +353,13 @@ def _compile(text: str, kind: Any) -> Any:
     return result
 
 
+class Table(tuple[float, ...]):
+    """Many numbers among the parameters of a kernel, whose count may differ from one set to another: compiled as an array."""
+
+
 def _cast(parameters: Any, real: type) -> Any:
+    if isinstance(parameters, Table):
+        return np.array(parameters, real)
     return tuple(_cast(p, real) for p in parameters) if isinstance(parameters, tuple) else real(parameters)
 
 

@@ -8,7 +8,7 @@ the class offers a closed form.
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cache, cached_property
 from math import cos, inf, log, pi, sin, sqrt
 from typing import Any, ClassVar
@@ -17,6 +17,7 @@ import numpy as np
 import sympy as sp
 
 from microfacet.directions import numbers, uniform, vectors
+from microfacet.geometry.panels import Panels, panels
 from microfacet.kernels import Batch, Parameters
 from microfacet.model import Model
 from microfacet.notation import P22, Direction, alpha_x, alpha_y, chi, raw, x, y
@@ -115,7 +116,7 @@ class Distribution(Model):
     parameters: what its kernels take as their last argument. scale: the two slope scales a quadrature should resolve; where
     a class does not say, they are found by a look at D.
     reach: in units of these, the slope beyond which hardly any facet (1e-18 of the area) lies.
-    radial: whether D depends on the polar angle only.
+    isotropic: whether D depends on the polar angle only, by default not; `validate` checks it.
     """
 
     kernel: ClassVar[Callable[..., float]]  # D(x, y, z, parameters)
@@ -124,12 +125,17 @@ class Distribution(Model):
     closed_Lambda: ClassVar[Callable[..., float] | None] = None  # Lambda(x, y, z, parameters)
     parameters: Parameters
     reach: ClassVar[float] = inf
-    radial: bool = False
+    isotropic: bool = False
 
     @cached_property
     def scale(self) -> tuple[float, float]:
         """How far slopes spread along x and along y: by default as `spread` finds it."""
         return spread(self.D)
+
+    @cached_property
+    def panels(self) -> Panels:
+        """Where its slopes are, for integrals over them."""
+        return panels(self.D, extent(self.D))
 
     def D(self, wm: Any) -> Any:
         """D(wm), shapes (..., 3) -> (...), 1/sr; 0 below the horizon. heitz2014, section 2."""
@@ -156,31 +162,66 @@ class Distribution(Model):
         return tuple(self.parameters)
 
 
-DECADES, PER_DECADE = (-6, 3), 4  # of slopes looked at, along either axis
+DECADES, PER_DECADE, CLOSER = (-9, 4), 4, 32  # of slopes looked at, along either axis, and where facets are missing
+EVENLY = 2000  # angles looked at along either axis, where facets are still missing
+LACKING = 0.5  # what is found may be off from 1 by so much
 SPREAD = 2.0  # the scale over the slope that half of the facets exceed: near 1.73 for GGX, 2.10 for Beckmann
+FEW, WIDE = 0.02, 4.0  # of the facets exceed a slope; so many times that slope, hardly any do
 
 
 def spread(normals: Callable[[np.ndarray], np.ndarray]) -> tuple[float, float]:
     """How far the slopes of a distribution spread along x and y: about twice what half of the facets exceed.
 
-    normals: a function of unit normals (n, 3) that gives (n,), 1/sr. It is looked at on a grid of slopes of all
-    sizes, even in their logarithms. ValueError if it is 0 on the whole grid, or not finite.
+    normals: a function of unit normals (n, 3) that gives (n,), 1/sr. It is looked at on grids of slopes of all sizes, even
+    in their logarithms, the closer one if the other does not find the facets, then on one even in angles. ValueError if it
+    is 0 on all grids, or not finite.
     """
-    sizes = np.logspace(*DECADES, PER_DECADE * (DECADES[1] - DECADES[0]) + 1)
-    signed = np.concatenate([-sizes, sizes])
-    x, y = (axis.reshape(-1) for axis in np.meshgrid(signed, signed, indexing="ij"))
-    z = 1 / np.sqrt(1 + x * x + y * y)
-    share = np.asarray(normals(np.stack([-x * z, -y * z, z], axis=-1))) * (z * z) ** 2 * np.abs(x * y)
-    total = share.sum()
-    if not 0 < total < inf:
-        raise ValueError(f"a distribution of normals must have a finite norm above 0, got about {total * _STEP**2:.3g}")
-    square = share.reshape(2, len(sizes), 2, len(sizes)).sum(axis=(0, 2))
-    found = [float(np.interp(0.5, np.cumsum(square.sum(axis=k)) / total, sizes)) for k in (1, 0)]
-    first, second = (float(f"{SPREAD * slope:.6g}") for slope in found)  # alike if they differ by rounding
+    return _exceeded(normals, 0.5, SPREAD)
+
+
+def extent(normals: Callable[[np.ndarray], np.ndarray]) -> tuple[float, float]:
+    """Slopes along x and y that hardly any facets exceed, found in the same way."""
+    return _exceeded(normals, FEW, WIDE)
+
+
+def _exceeded(normals: Callable[[np.ndarray], np.ndarray], part: float, factor: float) -> tuple[float, float]:
+    """So many times the slopes along x and y that this part of the facets exceeds."""
+    total, found = 0.0, (0.0, 0.0)
+    for sizes, steps in _grids():
+        there, slopes = _exceeded_of(normals, sizes, steps, part)
+        if not there < inf:
+            raise ValueError(f"a distribution of normals must have a finite norm above 0, got about {there:.3g}")
+        total, found = (there, slopes) if there > total else (total, found)
+        if abs(there - 1) < LACKING:
+            break
+    if not total > 0:
+        raise ValueError(f"a distribution of normals must have a finite norm above 0, got about {total:.3g}")
+    first, second = (float(f"{factor * slope:.6g}") for slope in found)  # alike if they differ by rounding
     return first, second
 
 
-_STEP = log(10) / PER_DECADE
+def _grids() -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Sizes of slopes and the steps between them."""
+    for count in (PER_DECADE, CLOSER):
+        sizes = np.logspace(*DECADES, count * (DECADES[1] - DECADES[0]) + 1)
+        yield sizes, sizes * (log(10) / count)
+    angles = (np.arange(EVENLY // 2) + 0.5) / EVENLY * pi
+    yield np.tan(angles), pi / EVENLY / np.cos(angles) ** 2
+
+
+def _exceeded_of(
+    normals: Callable[[np.ndarray], np.ndarray], sizes: np.ndarray, steps: np.ndarray, part: float
+) -> tuple[float, Any]:
+    """The area of the facets found at slopes of these sizes, and the size along each axis that a part of them exceeds."""
+    signed = np.concatenate([-sizes, sizes])
+    x, y = (axis.reshape(-1) for axis in np.meshgrid(signed, signed, indexing="ij"))
+    z = 1 / np.sqrt(1 + x * x + y * y)
+    density = np.asarray(normals(np.stack([-x * z, -y * z, z], axis=-1))) * (z * z) ** 2
+    square = density.reshape(2, len(sizes), 2, len(sizes)).sum(axis=(0, 2)) * np.outer(steps, steps)
+    total = float(square.sum())
+    if not 0 < total < inf:
+        return total, (0.0, 0.0)
+    return total, [float(np.interp(1 - part, np.cumsum(square.sum(axis=k)) / total, sizes)) for k in (1, 0)]
 
 
 @cache

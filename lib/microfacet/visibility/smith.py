@@ -15,12 +15,14 @@ from microfacet.geometry import beckmann, ggx
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX, ROUGHNESS
 from microfacet.geometry.slopes import Distribution
+from microfacet.geometry.ward import Ward
 from microfacet.kernels import ByPrecision
 from microfacet.notation import P2, Lambda_o, alpha, alpha_x, alpha_y, chi, mu_o, om, q, raw, theta_o, u, v, wo, y
 from microfacet.notation import alpha_o as roughness_o
 from microfacet.proofs import grounded
 from microfacet.statement import Equation
 from microfacet.visibility import shadowing
+from microfacet.visibility.hidden import panels_Lambda, table_of
 from microfacet.visibility.masking import Masking, hidden, seen
 from microfacet.visibility.quadrature import (
     HEAVY_LEVELS,
@@ -270,11 +272,13 @@ def radial_Lambda(D: Callable[..., float]) -> Callable[..., float]:
 
 
 def view_of(ndf: Distribution) -> Callable[..., float]:
-    """The cheapest kernel of Lambda for a distribution: a closed form, an integral over slopes, or one over the half-plane."""
+    """The cheapest kernel of Lambda for a distribution: a closed form, a rule known to suit it, or one for any distribution."""
     kind = type(ndf)
     if kind.closed_Lambda is not None:
         return packed_Lambda(kind.closed_Lambda)
-    return radial_Lambda(kind.kernel) if ndf.radial else quadrature_Lambda(kind.kernel)
+    if kind.kernel is Ward.kernel:
+        return radial_Lambda(kind.kernel) if ndf.isotropic else quadrature_Lambda(kind.kernel)
+    return panels_Lambda(kind.kernel)
 
 
 @cache
@@ -356,8 +360,9 @@ class Smith(Masking):
     def __init__(self, ndf: Distribution, correlation: str = "height") -> None:
         super().__init__(ndf)
         self.correlation = one_of("correlation", correlation, JOINT)
-        self.parameters = (ndf.parameters, ndf.scale)
         self.view_kernel = view_of(ndf)
+        by_panels = self.view_kernel is panels_Lambda(type(ndf).kernel)
+        self.parameters = (ndf.parameters, table_of(ndf.panels) if by_panels else ndf.scale)
         self.masked_kernel = masked
         self.shadowed_kernel = shadowed(JOINT[correlation])
 
