@@ -292,8 +292,8 @@ def packed_Lambda(closed: Callable[..., float]) -> Callable[..., float]:
 smith_G1 = G1.scalar
 
 
-def masked(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
-    return smith_G1(ox * mx + oy * my + oz * mz, view)
+def masked(view: float, om: float, oz: float, mz: float, p: Any) -> float:
+    return smith_G1(om, view)
 
 
 separable, height = shadowing.separable.scalar, shadowing.height.scalar
@@ -330,14 +330,14 @@ def shadowed(joint: Callable[..., float]) -> Callable[..., float]:
     def shadowed(
         view: float,
         light: float,
+        om: float,
+        im: float,
         ox: float,
         oy: float,
         oz: float,
         ix: float,
         iy: float,
         iz: float,
-        mx: float,
-        my: float,
         mz: float,
         p: Any,
     ) -> float:
@@ -358,8 +358,8 @@ class Smith(Masking):
         self.correlation = one_of("correlation", correlation, JOINT)
         self.parameters = (ndf.parameters, ndf.scale)
         self.view_kernel = view_of(ndf)
-        self.masked_kernel = masked
-        self.shadowed_kernel = shadowed(JOINT[correlation])
+        self.G1_of_cosine = masked
+        self.G2_of_cosines = shadowed(JOINT[correlation])
 
     @property
     def sampler(self) -> Callable[..., tuple[float, float, float]] | None:
