@@ -17,7 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import mutually_broadcastable_shapes
 from microfacet.arithmetic import exp_minus_square, exp_minus_squares, turn, two_product, two_sum
-from microfacet.directions import uniform, vectors
+from microfacet.directions import points, uniform
 from microfacet.kernels import Batch, ByPrecision, packed, source
 
 HALF = 0.5
@@ -376,7 +376,7 @@ PAIRS, HALVES = Batch(of_pair, [3, 3]), Batch(first_half, [3, 2])
 
 
 def pairs(wo: Any, wi: Any, out: np.ndarray | None = None) -> Any:
-    return PAIRS([vectors("wo", wo), vectors("wi", wi)], (2.0,), out)
+    return PAIRS([points("wo", wo), points("wi", wi)], (2.0,), out)
 
 
 @pytest.mark.parametrize("threads", ["1", "2"])
@@ -455,7 +455,7 @@ def test_finite_numbers_whose_sum_overflows_pass(real: type) -> None:
     rows, u = np.ones((MANY_ROWS, 3), real), np.full(2, 0.5, real)
     rows[7] = np.finfo(real).max
     for x in (rows, rows[7]):
-        np.testing.assert_array_equal(HALVES([vectors("x", x), uniform("u", u)]), 0.5 * x[..., 0])
+        np.testing.assert_array_equal(HALVES([points("x", x), uniform("u", u)]), 0.5 * x[..., 0])
 
 
 def test_not_checked_unless_named() -> None:
@@ -468,13 +468,13 @@ def test_shares_lie_in_their_interval(real: type) -> None:
     last, least = np.nextafter(real(1), real(0)), np.finfo(real).smallest_subnormal
     for fine in (0.0, -0.0, least, last):
         u[-1, 1] = fine
-        HALVES([vectors("x", rows), uniform("u", u)])
+        HALVES([points("x", rows), uniform("u", u)])
     for wrong, words in ((1.0, r"lie in \[0, 1\)"), (-least, r"lie in \[0, 1\)"), (np.nan, "be finite"), (np.inf, "be finite")):
         u[-1, 1] = wrong
         with pytest.raises(ValueError, match=f"^u must {words}, got .*{real(wrong)}"):
-            HALVES([vectors("x", rows), uniform("u", u)])
+            HALVES([points("x", rows), uniform("u", u)])
         with pytest.raises(ValueError, match=f"^u must {words}, got .*{real(wrong)}"):
-            HALVES([vectors("x", rows), uniform("u", u[-1])])
+            HALVES([points("x", rows), uniform("u", u[-1])])
 
 
 def test_arrays_that_are_not_aligned() -> None:

@@ -61,6 +61,33 @@ def exp_minus_squares(x: float, y: float, alpha_x: float, alpha_y: float, z: flo
     return root * (root * min(factor, LARGEST)) * (1.0 - (error + p_error + q_error + 2.0 * (p * p_rest + q * q_rest)))
 
 
+def quotient_of_squares(x: float, y: float, z: float) -> tuple[float, float]:
+    """(x^2 + y^2)/z^2 and what rounding left out of it."""
+    x_square, x_lost = two_product(x, x)
+    y_square, y_lost = two_product(y, y)
+    total, lost = two_sum(x_square, y_square)
+    square, z_lost = two_product(z, z)
+    quotient = total / square
+    back, missing = two_product(quotient, square)
+    return quotient, (((total - back) - missing) + (lost + x_lost + y_lost) - quotient * z_lost) / square
+
+
+OVERFLOWS = 80.0  # exp(80) is a number in single precision
+
+
+def inverse_power(t: float, t_rest: float, power: float) -> float:
+    """(1 + t + t_rest)^-power for t at least 0, any power, to a few ulps: what rounding leaves out of 1 + t counts power times.
+
+    It is 0 where the quotient of what was left out would make an exponential overflow.
+    """
+    total, rest = two_sum(1.0, t)
+    r = rest / total
+    back, lost = two_product(r, total)
+    r_rest = (((rest - back) - lost) + t_rest) / total - 0.5 * (r * r)
+    exponent, left = two_product(power, r)
+    return total ** (-power) * (exp(-max(exponent, -OVERFLOWS)) * (1.0 - (left + power * r_rest)))
+
+
 # For |t| up to an eighth, in powers of t^2: sin(2 pi t)/t after its first term 2 pi was rounded, to 4e-18 of it; and
 # (cos(2 pi t) - 1)/t^2, to 4e-19 of the cosine. In single precision to 5e-9 and 5e-10.
 TURN = ByPrecision(double=6.283185307179586, single=6.2831854820251465)

@@ -1,4 +1,10 @@
-"""Directions as arrays: making them, checking them, reflecting them. Unit vectors, last axis 3, z is up, angles in radians."""
+"""Directions as arrays: making them, checking them, reflecting them. Unit vectors, last axis 3, z is up, angles in radians.
+
+One rule holds wherever the library takes a direction, for views, lights and normals: the square v.v of its length must be 1 to
+within `UNIT`, which leaves room for the rounding of single precision and of a few operations in it. Such a vector is used as it
+is; any other is refused by a ValueError that gives its length and its place. So is none but the zero vector, which a sampler
+returns for what is lost: its results are 0.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 _PRECISIONS = (np.dtype(np.float64), np.dtype(np.float32))
+UNIT = 2e-5  # how far v.v of a direction may be from 1
+COSINE = UNIT / 2  # how far beyond 0 and 1 a cosine between two directions may be
 ALPHA_LIMITS = (1e-11, 1e11)  # within, D, masking, densities and samples are numbers in both precisions; at 1e12 not all are
 
 
@@ -19,7 +27,8 @@ def spherical(theta: Any, phi: Any = 0.0) -> np.ndarray:
 
 
 class Argument(NamedTuple):
-    """An array of floats that a caller gave: its name, and which numbers it may hold: "finite" ones, or a "share" in [0, 1).
+    """An array of floats that a caller gave: its name, and what it may hold: "finite" numbers, a "share" in [0, 1), or in each
+    row a "direction".
 
     Whoever reads it checks it: the loop of a kernel turn by turn, or `checked` in a pass of its own.
     """
@@ -39,10 +48,27 @@ class Argument(NamedTuple):
             raise ValueError(f"{name} must be finite, got {array[at]}" + (f" at index {at}" if at else ""))
         if self.kind == "share" and array.size and not (array.min() >= 0 and array.max() < 1):
             raise ValueError(f"{name} must lie in [0, 1), got {array.min()} to {array.max()}")
+        if self.kind == "direction":
+            _unit(name, array)
         return array
 
 
-def vectors(name: str, values: Any, width: int = 3) -> Argument:
+def _unit(name: str, array: np.ndarray) -> None:
+    """ValueError that names the first row which is no unit vector and not 0."""
+    with np.errstate(over="ignore"):
+        square = np.einsum("...k,...k->...", array, array)
+    if (off := (np.abs(square - 1) > UNIT) & (square > 0)).any():
+        at = tuple(int(k) for k in np.argwhere(off)[0])
+        place = f" at index {at}" if at else ""
+        raise ValueError(f"{name} must hold unit vectors, got one of length {math.hypot(*array[at]):.9g}{place}: normalise it")
+
+
+def vectors(name: str, values: Any) -> Argument:
+    """The argument as an array (..., 3) of floats, directions once checked; another shape is a ValueError that names it."""
+    return points(name, values)._replace(kind="direction")
+
+
+def points(name: str, values: Any, width: int = 3) -> Argument:
     """The argument as an array (..., width) of floats, finite once checked; another shape is a ValueError that names it."""
     array = _floats(name, values, width)
     if array.ndim == 0 or array.shape[-1] != width:
@@ -57,12 +83,29 @@ def numbers(name: str, values: Any) -> Argument:
 
 def uniform(name: str, values: Any) -> Argument:
     """The argument as an array (..., 2) of floats, in [0, 1) once checked."""
-    return vectors(name, values, 2)._replace(kind="share")
+    return points(name, values, 2)._replace(kind="share")
 
 
-def as_vectors(name: str, values: Any, width: int = 3) -> np.ndarray:
-    """The argument as an array (..., width) of finite floats; anything else is a ValueError that names it."""
-    return vectors(name, values, width).checked()
+def as_vectors(name: str, values: Any) -> np.ndarray:
+    """The argument as an array (..., 3) of directions; anything else is a ValueError that names it."""
+    return vectors(name, values).checked()
+
+
+def as_points(name: str, values: Any) -> np.ndarray:
+    """The argument as an array (..., 3) of finite floats; anything else is a ValueError that names it."""
+    return points(name, values).checked()
+
+
+def cosines(name: str, values: Any) -> np.ndarray:
+    """The argument as an array of cosines in [0, 1], of any shape.
+
+    Directions are unit vectors to within `UNIT`, their products cosines to within `COSINE`: what is beyond 0 or 1 by no more
+    counts as 0 or 1, what is farther out is a ValueError that names it.
+    """
+    array = numbers(name, values).checked()
+    if array.size and not (array.min() >= -COSINE and array.max() <= 1 + COSINE):
+        raise ValueError(f"{name} must lie in [0, 1], got {array.min()} to {array.max()}")
+    return np.clip(array, 0, 1)
 
 
 def as_uniform(name: str, values: Any) -> np.ndarray:

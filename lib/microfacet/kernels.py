@@ -21,7 +21,6 @@ import math
 import textwrap
 from collections.abc import Callable, Sequence
 from functools import cache
-from itertools import zip_longest
 from math import exp, ldexp
 from types import FunctionType
 from typing import Any, cast
@@ -29,7 +28,7 @@ from typing import Any, cast
 import numpy as np
 
 from microfacet.cache import key, load, require_compiler, store
-from microfacet.directions import Argument
+from microfacet.directions import UNIT, Argument
 from microfacet.processors import QUICK, Pace, spread
 
 Parameters = tuple[Any, ...]
@@ -320,12 +319,13 @@ def _loop(name: str, widths: Sequence[int], outputs: int, single: Sequence[bool]
 def _checks(rows: Sequence[tuple[str, Sequence[str]]]) -> list[str]:
     """Lines that clear `good` where a number is none that its kind allows.
 
-    A sum is finite only if all its terms are. One of finite terms may overflow: who called the loop then looks at each.
-    Its terms are in such order that it contains the sum of two directions, which many a kernel forms anyway.
+    A sum is finite only if all its terms are. One of finite terms may overflow: who called the loop then looks at each. A
+    square near 1 is finite.
     """
-    columns = zip_longest(*(row for kind, row in rows if kind))
-    sums = [f"({' + '.join(value for value in column if value)})" for column in columns]
-    lines = [f"total = {' + '.join(sums)}", "good &= total - total == R(0.0)"] if sums else []
+    finite = [value for kind, row in rows if kind == "finite" for value in row]
+    lines = [f"total = {' + '.join(finite)}", "good &= total - total == R(0.0)"] if finite else []
+    for square in (" + ".join(f"{value} * {value}" for value in row) for kind, row in rows if kind == "direction"):
+        lines += [f"square = {square}", f"good &= (abs(square - R(1.0)) <= R({UNIT})) | (square == R(0.0))"]
     shares = [value for kind, row in rows if kind == "share" for value in row]
     return [*lines, *(f"good &= ({value} >= R(0.0)) & ({value} < R(1.0))" for value in shares)]
 

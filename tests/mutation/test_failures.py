@@ -213,9 +213,7 @@ def unsided(view: float, ox: float, oy: float, oz: float, mx: float, my: float, 
 
 
 class Unsided(mf.Smith):
-    def __init__(self, ndf: mf.GGX) -> None:
-        super().__init__(ndf)
-        self.masked_kernel = unsided
+    masked_kernel = staticmethod(unsided)
 
 
 def test_no_test_of_the_side(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -103,21 +103,21 @@ def test_blinn_phong_passes_at_one_exponent_only() -> None:
 # --- each of the classic equations can fail -----------------------------------------------------------------------------
 
 
-def any_G1(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
+def any_G1(view: float, om: float, oz: float, mz: float, p: Any) -> float:
     return 1.0
 
 
 def any_G2(
     view: float,
     light: float,
+    om: float,
+    im: float,
     ox: float,
     oy: float,
     oz: float,
     ix: float,
     iy: float,
     iz: float,
-    mx: float,
-    my: float,
     mz: float,
     p: Any,
 ) -> float:
@@ -128,8 +128,8 @@ class Arbitrary(Masking):
     """G2 = constant + slope cos theta_o: no model of anything."""
 
     view_kernel = staticmethod(nothing)
-    masked_kernel: ClassVar[Callable[..., float]] = staticmethod(any_G1)
-    shadowed_kernel: ClassVar[Callable[..., float]] = staticmethod(any_G2)
+    G1_of_cosine: ClassVar[Callable[..., float]] = staticmethod(any_G1)
+    G2_of_cosines: ClassVar[Callable[..., float]] = staticmethod(any_G2)
 
     def __init__(self, constant: float, slope: float) -> None:
         super().__init__(mf.GGX(0.5))

@@ -14,7 +14,8 @@ from microfacet import balls
 from microfacet.brdf.ggx import inverse_square, prepared_lobe
 from microfacet.directions import uniform, vectors
 from microfacet.geometry.ggx import GGX
-from microfacet.kernels import Batch, Parameters
+from microfacet.geometry.slopes import drawn_from, excess_over_drawn
+from microfacet.kernels import Batch, ByPrecision, Parameters
 from microfacet.material.fresnel import Fresnel, Mirror
 from microfacet.material.reflection import half_vector, i_vector, o_vector, reflected, weak_furnace
 from microfacet.model import Model
@@ -22,7 +23,7 @@ from microfacet.notation import G1, D, F, Lambda_i, Lambda_o, im, mu_i, mu_o, om
 from microfacet.proofs import under_integral
 from microfacet.statement import Equation
 from microfacet.visibility import shadowing, unphysical, v_cavity
-from microfacet.visibility.masking import Masking, over_pairs
+from microfacet.visibility.masking import HORIZON, Masking, over_pairs
 from microfacet.visibility.smith import Smith
 
 G1_h = raw("G1_h", r"G_1(\omega_o, \omega_h)", positive=True)
@@ -173,19 +174,25 @@ def _anchor_steps() -> list[Any]:
 # --- kernels --------------------------------------------------------------------------------------------------------
 
 stated_rho, stated_density = complete.scalar, reflected.scalar
+BELOW = ByPrecision(double=1 - 2.0**-52, single=1 - 2.0**-23)  # of a height: a facet on edge still lies above the plane
 
 
 @cache
-def evaluation(normals: Callable[..., float], shadowing: Callable[..., float], fresnel: Callable[..., float]) -> Batch:
+def evaluation(
+    normals: Callable[..., float], view: Callable[..., float], shadowed: Callable[..., float], fresnel: Callable[..., float]
+) -> Batch:
+    """The BRDF part by part; D last, since it alone may be too small for a number: then `pdf` is 0 as well."""
+
     def evaluate(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
         hx, hy, hz = ox + ix, oy + iy, oz + iz
         length = sqrt(hx * hx + hy * hy + hz * hz)
-        if not (oz > 0.0 and iz > 0.0 and length > 0.0):
+        if not (oz > HORIZON and iz > HORIZON):
             return 0.0
         hx, hy, hz = hx / length, hy / length, hz / length
         cosine = min(0.5 * length, 1.0)
-        G2 = shadowing(ox, oy, oz, ix, iy, iz, hx, hy, hz, p[0])
-        return stated_rho(fresnel(cosine, p[1]), G2, normals(hx, hy, hz, p[0][0]), oz, iz)
+        seen, lit = view(ox, oy, oz, p[0]), view(ix, iy, iz, p[0])
+        G2 = shadowed(seen, lit, cosine, cosine, ox, oy, oz, ix, iy, iz, hz, p[0])
+        return stated_rho(fresnel(cosine, p[1]), G2, 1.0, oz, iz) * normals(hx, hy, hz, p[0][0])
 
     return over_pairs(evaluate)
 
@@ -200,7 +207,7 @@ def joined_evaluation(fresnel: Callable[..., float]) -> Batch:
     def evaluate(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
         hx, hy, hz = ox + ix, oy + iy, oz + iz
         square = hx * hx + hy * hy + hz * hz
-        if not (oz > 0.0 and iz > 0.0 and square > 0.0):
+        if not (oz > HORIZON and iz > HORIZON):
             return 0.0
         alpha_x, alpha_y = p[0][0]
         return fresnel(min(0.5 * sqrt(square), 1.0), p[1]) * prepared_lobe(ox, oy, oz, ix, iy, iz, alpha_x, alpha_y, p[2], p[3])
@@ -213,26 +220,28 @@ def evaluation_of(model: Masking, fresnel: Fresnel) -> tuple[Batch, Parameters]:
     parameters = (model.parameters, fresnel.parameters)
     if isinstance(model, Smith) and type(model.ndf) is GGX and model.correlation == "height":
         return joined_evaluation(type(fresnel).kernel), (*parameters, *map(inverse_square, model.ndf.parameters))
-    return evaluation(type(model.ndf).kernel, model.G2_kernel, type(fresnel).kernel), parameters
+    kernels = (type(model.ndf).kernel, model.view_kernel, model.G2_of_cosines, type(fresnel).kernel)
+    return evaluation(*kernels), parameters
 
 
 @cache
-def visible_pdf(normals: Callable[..., float], masking: Callable[..., float]) -> Batch:
+def visible_pdf(normals: Callable[..., float], view: Callable[..., float], masked: Callable[..., float]) -> Batch:
     """Density of mirror directions of sampled visible normals."""
 
     def pdf(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
         hx, hy, hz = ox + ix, oy + iy, oz + iz
         length = sqrt(hx * hx + hy * hy + hz * hz)
-        if not (oz > 0.0 and hz > 0.0 and length > 0.0):
+        if not (oz > HORIZON and hz > 0.0 and length > 0.0):
             return 0.0
         hx, hy, hz = hx / length, hy / length, hz / length
-        return stated_density(masking(ox, oy, oz, hx, hy, hz, p[0]), normals(hx, hy, hz, p[0][0]), oz)
+        G1 = masked(view(ox, oy, oz, p[0]), min(0.5 * length, 1.0), oz, hz, p[0])
+        return stated_density(G1, 1.0, oz) * normals(hx, hy, hz, p[0][0])
 
     return over_pairs(pdf)
 
 
 @cache
-def normals_pdf(density: Callable[..., float]) -> Batch:
+def normals_pdf(drawn: Callable[..., float]) -> Batch:
     """Density of mirror directions of normals sampled without regard to the viewer.
 
     Facets turned away send theirs down, to where wo + wi points down: they count too, or the density would not sum to 1.
@@ -240,13 +249,53 @@ def normals_pdf(density: Callable[..., float]) -> Batch:
 
     def pdf(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
         hx, hy, hz = ox + ix, oy + iy, oz + iz
-        if not (oz > 0.0 and abs(hz) > 0.0):
-            return 0.0
         length = sqrt(hx * hx + hy * hy + hz * hz)
-        z = abs(hz) / length
-        return density(-hx / hz, -hy / hz, p[0][0]) / (z * z * z) / (2.0 * length)
+        if not (oz > HORIZON and length > 0.0):
+            return 0.0
+        up = length if hz > 0.0 else -length
+        return drawn(hx / up, hy / up, hz / up, p[0][0]) * (hz / up) / (2.0 * length)
 
     return over_pairs(pdf)
+
+
+@cache
+def visible_weight(
+    view: Callable[..., float], masked: Callable[..., float], shadowed: Callable[..., float], fresnel: Callable[..., float]
+) -> Batch:
+    """The BRDF times the cosine over `visible_pdf`: D and the cosines cancel."""
+
+    def weight(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
+        hx, hy, hz = ox + ix, oy + iy, oz + iz
+        length = sqrt(hx * hx + hy * hy + hz * hz)
+        if not (oz > HORIZON and iz > HORIZON):
+            return 0.0
+        cosine = min(0.5 * length, 1.0)
+        seen, lit = view(ox, oy, oz, p[0]), view(ix, iy, iz, p[0])
+        G1 = masked(seen, cosine, oz, hz / length, p[0])
+        G2 = shadowed(seen, lit, cosine, cosine, ox, oy, oz, ix, iy, iz, hz / length, p[0])
+        return fresnel(cosine, p[1]) * (G2 / G1)
+
+    return over_pairs(weight)
+
+
+@cache
+def normals_weight(
+    excess: Callable[..., float], view: Callable[..., float], shadowed: Callable[..., float], fresnel: Callable[..., float]
+) -> Batch:
+    """The same for `normals_pdf`; excess: D over the distribution of the normals that are drawn."""
+
+    def weight(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
+        hx, hy, hz = ox + ix, oy + iy, oz + iz
+        length = sqrt(hx * hx + hy * hy + hz * hz)
+        if not (oz > HORIZON and iz > HORIZON):
+            return 0.0
+        hx, hy, hz = hx / length, hy / length, hz / length
+        cosine = min(0.5 * length, 1.0)
+        seen, lit = view(ox, oy, oz, p[0]), view(ix, iy, iz, p[0])
+        G2 = shadowed(seen, lit, cosine, cosine, ox, oy, oz, ix, iy, iz, hz, p[0])
+        return fresnel(cosine, p[1]) * (G2 / oz) * (cosine / hz) * excess(hx, hy, hz, p[0][0])
+
+    return over_pairs(weight)
 
 
 def tanh_sinh(nodes: int, reach: float = 3.15) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -372,9 +421,28 @@ class Microfacet(Model):
         return _mirrored(self.model.sampler, type(self.model.ndf).sample_kernel)([wo, u], self.parameters, out)
 
     def pdf(self, wo: Any, wi: Any) -> Any:
-        """Density of `sample` over the whole sphere, 1/sr, shapes (..., 3) -> (...)."""
-        ndf = type(self.model.ndf)
-        rule = normals_pdf(ndf.sample_density) if self.model.sampler is None else visible_pdf(ndf.kernel, self.model.G1_kernel)
+        """Density of `sample` over the whole sphere, 1/sr, shapes (..., 3) -> (...).
+
+        Above the horizon it is 0 where `evaluate` is and nowhere else, up to numbers too small for the precision (and F = 0).
+        """
+        model, ndf = self.model, type(self.model.ndf)
+        visible = model.sampler is not None
+        rule = visible_pdf(ndf.kernel, model.view_kernel, model.G1_of_cosine) if visible else normals_pdf(drawn_from(ndf))
+        return rule([vectors("wo", wo), vectors("wi", wi)], self.parameters)
+
+    def weight(self, wo: Any, wi: Any) -> Any:
+        """What a sample weighs: the BRDF times cos theta_i over `pdf`, shapes (..., 3) -> (...); 0 if either direction is below
+        the horizon.
+
+        F G2/G1 where the model samples visible normals, which is in [0, 1]. A quotient in which D does not occur, so that it is
+        right also where BRDF and density are too large or too small for numbers. heitzdeon2014.
+        """
+        model, ndf = self.model, type(self.model.ndf)
+        parts = (model.view_kernel, model.G2_of_cosines, type(self.fresnel).kernel)
+        if model.sampler is None:
+            rule = normals_weight(excess_over_drawn(ndf), *parts)
+        else:
+            rule = visible_weight(model.view_kernel, model.G1_of_cosine, *parts[1:])
         return rule([vectors("wo", wo), vectors("wi", wi)], self.parameters)
 
     def albedo(self, wo: Any) -> Any:
@@ -402,16 +470,16 @@ def _mirrored(visible: Callable[..., Any] | None, slopes: Callable[..., Any]) ->
         sampler = visible
 
         def visible_mirror(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float]:
-            if not oz > 0.0:
+            if not oz > HORIZON:
                 return 0.0, 0.0, 0.0
             mx, my, mz = sampler(ox, oy, oz, u1, u2, p[0])
             twice = 2.0 * (ox * mx + oy * my + oz * mz)
-            return twice * mx - ox, twice * my - oy, twice * mz - oz
+            return twice * mx - ox, twice * my - oy, max(twice * mz - oz, -BELOW * oz)
 
         return Batch(visible_mirror, [3, 2], 3)
 
     def mirror(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float]:
-        if not oz > 0.0:
+        if not oz > HORIZON:
             return 0.0, 0.0, 0.0
         slope_x, slope_y = slopes(u1, u2, p[0][0])
         mz = 1.0 / sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)

@@ -250,7 +250,6 @@ class Beckmann(Distribution):
 
     kernel = staticmethod(packed(compensated_D, 3, 2))
     sample_kernel = staticmethod(kernel_sample)
-    sample_density = staticmethod(packed(compensated_P22, 2, 2))
     closed_Lambda = staticmethod(kernel_Lambda)
     reach = 6.5
 

@@ -2,25 +2,42 @@
 
 from __future__ import annotations
 
-from math import cosh, exp, log, log1p, sinh, sqrt
+from math import cosh, exp, expm1, log, log1p, sinh, sqrt
 from typing import Any
 
 import mpmath
 import sympy as sp
 
 from microfacet import balls
-from microfacet.arithmetic import two_product, two_sum
-from microfacet.directions import positive
+from microfacet.arithmetic import inverse_power, quotient_of_squares, two_product, two_sum
+from microfacet.directions import within
 from microfacet.geometry.slopes import Distribution, around, normals_integral
+from microfacet.kernels import ByPrecision, packed
 from microfacet.notation import chi, n, q, raw, u, wm, x, y
 from microfacet.proofs import under_integral
 from microfacet.statement import Equation
 
 EXPONENT = (0.5, 1e4)
 POWERS = [(0.5,), (1.0,), (10.0,), (1e4,)]  # at which integrals are enclosed
+POWER_LIMITS = (1e-22, 1e22)  # within, as for the limits of alpha, all are numbers in both precisions
 r = sp.Symbol("r", positive=True)
 D_at_m = raw("D_m", r"D(\omega_m)")
 K = raw("K", "K", positive=True)  # normalisation of the slopes along one direction
+
+STEEPEST = ByPrecision(double=1e-140, single=1e-16)  # of a facet's cosine: below, the square of its slope is too large
+PI = 3.141592653589793
+
+
+def power_of_cosine(x: float, y: float, z: float, n: float) -> float:
+    """cos^n of a normal above the horizon, by its slopes: next to the pole the rounded cosine has lost what they still have."""
+    height = max(z, STEEPEST)
+    tangent, rest = quotient_of_squares(x, y, height)
+    return inverse_power(tangent, rest, 0.5 * n) if z > 0.0 else 0.0
+
+
+def normalized_power(x: float, y: float, z: float, n: float) -> float:
+    return (n + 2.0) / (2.0 * PI) * power_of_cosine(x, y, z, n)
+
 
 # --- statements ---------------------------------------------------------------------------------------------------
 
@@ -31,6 +48,7 @@ with sp.evaluate(False):
         symbol=raw("D_blinn_phong", r"D(\omega_m)"),
         equals=chi(sp.cos(wm.theta)) * sp.cos(wm.theta) ** n,
         computed_as=chi(wm.z) * wm.z**n,
+        computed_by=power_of_cosine,
         where=wm.spherical,
         over={wm: "hemisphere", n: EXPONENT},
         slides=(55,),
@@ -42,6 +60,7 @@ with sp.evaluate(False):
         symbol=raw("D_normalized_blinn_phong", r"D(\omega_m)"),
         equals=chi(sp.cos(wm.theta)) * (n + 2) / (2 * sp.pi) * sp.cos(wm.theta) ** n,
         computed_as=chi(wm.z) * (n + 2) / (2 * sp.pi) * wm.z**n,
+        computed_by=normalized_power,
         where=wm.spherical,
         over={wm: "hemisphere", n: EXPONENT},
         slides=(55,),
@@ -162,10 +181,9 @@ def _overlap_gap(k: float, e: float) -> Any:
 def student_Lambda(c: float, n: float, K: float) -> float:
     """K (1+c^2)^(-(n+1)/2) H / c, with the rounding of 1 + c^2 and of n + 1 carried through the power."""
     square, lost = two_product(c, c)
-    total, rest = two_sum(1.0, square)
+    total = 1.0 + square
     doubled, missing = two_sum(n, 1.0)
-    power = 0.5 * doubled
-    decay = total ** (-power) * (1.0 - (power * ((rest + lost) / total) + 0.5 * missing * log(total)))
+    decay = inverse_power(square, lost, 0.5 * doubled) * (1.0 - 0.5 * missing * log(total))
     return K * decay * overlap(c / sqrt(total), n) / c
 
 
@@ -309,38 +327,21 @@ def kernel_Lambda(x: float, y: float, z: float, p: Any) -> float:
 
 
 def kernel_sample(u1: float, u2: float, p: Any) -> tuple[float, float]:
-    z = (1.0 - u1) ** (1.0 / (p[0] + 2.0))
-    return around(sqrt((1.0 - z) * (1.0 + z)) / z, u2)
-
-
-def kernel_sample_density(x: float, y: float, p: Any) -> float:
-    return (p[0] + 2.0) / (2.0 * PI) * (1.0 + x * x + y * y) ** (-0.5 * (p[0] + 4.0))
-
-
-PI = 3.141592653589793
-blinn_phong_D = D.scalar
-normalized_blinn_phong_D = normalized_D.scalar
-
-
-def kernel_D(x: float, y: float, z: float, p: Any) -> float:
-    return 0.0 if not z > 0.0 else blinn_phong_D(x, y, z, p[0])
-
-
-def kernel_normalized_D(x: float, y: float, z: float, p: Any) -> float:
-    return 0.0 if not z > 0.0 else normalized_blinn_phong_D(x, y, z, p[0])
+    """The square of the tangent is (1 - u1)^(-2/(n + 2)) - 1."""
+    return around(sqrt(expm1(-2.0 * log1p(-u1) / (p[0] + 2.0))), u2)
 
 
 class BlinnPhong(Distribution):
     """cos^n theta_m, not normalised: projected area 2 pi/(n+2). n above 0. blinn1977."""
 
-    kernel = staticmethod(kernel_D)
+    kernel = staticmethod(packed(power_of_cosine, 3, 1))
     sample_kernel = staticmethod(kernel_sample)
-    sample_density = staticmethod(kernel_sample_density)
+    sampled_kernel = staticmethod(packed(normalized_power, 3, 1))
     closed_Lambda = staticmethod(kernel_Lambda)
     isotropic = True
 
     def __init__(self, n: float) -> None:
-        self.n = positive("n", n)
+        self.n = within("n", n, POWER_LIMITS)
         half = mpmath.mpf(self.n) / 2
         K = mpmath.sqrt(mpmath.pi) * mpmath.gammaprod([half + 1.5], [half + 2]) * self._normalisation()
         self.parameters = (self.n, float(K))
@@ -357,7 +358,7 @@ class BlinnPhong(Distribution):
 class NormalizedBlinnPhong(BlinnPhong):
     """(n+2)/(2 pi) cos^n theta_m. n above 0. heitz2014."""
 
-    kernel = staticmethod(kernel_normalized_D)
+    kernel = staticmethod(packed(normalized_power, 3, 1))
 
     def _normalisation(self) -> Any:
         return (mpmath.mpf(self.n) + 2) / (2 * mpmath.pi)

@@ -247,7 +247,6 @@ class GGX(Distribution):
 
     kernel = staticmethod(packed(D.scalar, 3, 2))
     sample_kernel = staticmethod(kernel_sample)
-    sample_density = staticmethod(packed(P22.scalar, 2, 2))
     closed_Lambda = staticmethod(kernel_Lambda)
 
     def __init__(self, alpha_x: float, alpha_y: float | None = None) -> None:

@@ -121,7 +121,8 @@ class Distribution(Model):
 
     kernel: ClassVar[Callable[..., float]]  # D(x, y, z, parameters)
     sample_kernel: ClassVar[Callable[..., tuple[float, float]]]  # slopes(u1, u2, parameters)
-    sample_density: ClassVar[Callable[..., float]]  # density of those slopes at (x, y)
+    sample_density: ClassVar[Callable[..., float] | None] = None  # of those slopes at (x, y), if it is not that of D
+    sampled_kernel: ClassVar[Callable[..., float] | None] = None  # or, for more digits, the distribution of normals they have
     closed_Lambda: ClassVar[Callable[..., float] | None] = None  # Lambda(x, y, z, parameters)
     parameters: Parameters
     reach: ClassVar[float] = inf
@@ -152,7 +153,7 @@ class Distribution(Model):
 
     def pdf(self, wm: Any) -> Any:
         """Density of `sample`, 1/sr, shapes (..., 3) -> (...)."""
-        return _over_normals(_sampled_density(type(self).sample_density))([vectors("wm", wm)], self.parameters)
+        return _over_normals(_sampled_density(drawn_from(type(self))))([vectors("wm", wm)], self.parameters)
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({', '.join(f'{p:g}' for p in self.shown)})"
@@ -253,12 +254,48 @@ def _sampler(slopes: Callable[..., tuple[float, float]]) -> Batch:
     return Batch(normal, [2], 3)
 
 
+def drawn_from(kind: type[Distribution]) -> Callable[..., float]:
+    """The kernel of the distribution of normals whose slopes a sampler draws: D itself unless the class says otherwise."""
+    if kind.sampled_kernel is not None:
+        return kind.sampled_kernel
+    return kind.kernel if kind.sample_density is None else _of_slopes(kind.sample_density)
+
+
 @cache
-def _sampled_density(density: Callable[..., float]) -> Callable[..., float]:
-    def sampled_density(x: float, y: float, z: float, p: Any) -> float:
+def _of_slopes(density: Callable[..., float]) -> Callable[..., float]:
+    def normals(x: float, y: float, z: float, p: Any) -> float:
         if not z > 0.0:
             return 0.0
-        return density(-x / z, -y / z, p) / (z * z * z)
+        value = density(-x / z, -y / z, p)
+        return value / (z * z) / (z * z) if value > 0.0 else 0.0
+
+    return normals
+
+
+def excess_over_drawn(kind: type[Distribution]) -> Callable[..., float]:
+    """The kernel of D over the distribution whose slopes are drawn; 0 where the latter is too small for a number."""
+    return _one if drawn_from(kind) is kind.kernel else _excess(kind.kernel, drawn_from(kind))
+
+
+def _one(x: float, y: float, z: float, p: Any) -> float:
+    return 1.0
+
+
+@cache
+def _excess(D: Callable[..., float], drawn: Callable[..., float]) -> Callable[..., float]:
+    def excess(x: float, y: float, z: float, p: Any) -> float:
+        likely = drawn(x, y, z, p)
+        return D(x, y, z, p) / likely if likely > 0.0 else 0.0
+
+    return excess
+
+
+@cache
+def _sampled_density(drawn: Callable[..., float]) -> Callable[..., float]:
+    """The density of normals whose slopes have the distribution that belongs to these normals."""
+
+    def sampled_density(x: float, y: float, z: float, p: Any) -> float:
+        return drawn(x, y, z, p) * z if z > 0.0 else 0.0
 
     return sampled_density
 

@@ -9,7 +9,7 @@ import sympy as sp
 from microfacet import balls
 from microfacet.arithmetic import exp_minus_squares
 from microfacet.directions import roughness
-from microfacet.geometry.beckmann import FAR, PI, ROUGHNESSES, compensated_P22, kernel_sample
+from microfacet.geometry.beckmann import FAR, PI, ROUGHNESSES, Beckmann, kernel_sample
 from microfacet.geometry.ggx import ROUGHNESS
 from microfacet.geometry.slopes import Distribution, normals_integral
 from microfacet.kernels import packed
@@ -74,7 +74,7 @@ class Ward(Distribution):
 
     kernel = staticmethod(packed(compensated_D, 3, 2))
     sample_kernel = staticmethod(kernel_sample)
-    sample_density = staticmethod(packed(compensated_P22, 2, 2))
+    sampled_kernel = staticmethod(Beckmann.kernel)
     reach = 6.5
 
     def __init__(self, alpha_x: float, alpha_y: float | None = None) -> None:

@@ -35,7 +35,7 @@ from numba.extending import intrinsic
 from numpy.typing import ArrayLike, NDArray
 
 from microfacet.cache import compiled
-from microfacet.directions import as_vectors
+from microfacet.directions import as_points
 from microfacet.processors import share
 
 Array = NDArray[np.float64]
@@ -138,7 +138,7 @@ class HeightField:
 
     def _refuse(self, at: int, o: Array, d: Array, own: Integers) -> NoReturn:
         """Say what is wrong with a ray that could not be traced."""
-        as_vectors("origins", o), as_vectors("directions", d)
+        as_points("origins", o), as_points("directions", d)
         if abs(o[at]).max() > REACH:
             raise ValueError(f"origins must lie within {REACH:g} cells, got {o[at]} at index {at}")
         if not TINY < abs(d[at]).max() < 1 / TINY:

@@ -14,7 +14,7 @@ import sympy as sp
 
 from microfacet.directions import uniform, vectors
 from microfacet.geometry.slopes import Distribution, normals_integral
-from microfacet.kernels import Batch, Parameters
+from microfacet.kernels import Batch, ByPrecision, Parameters
 from microfacet.model import Model
 from microfacet.notation import G1, D, mu_o, om, raw
 from microfacet.statement import Equation
@@ -58,6 +58,8 @@ with sp.evaluate(False):
         note="The third validation equation: the second, divided by the cosine.",
     )
 
+HORIZON = ByPrecision(double=1.5e-154, single=1.1e-19)  # the square of a lower height loses digits: it counts as 0
+
 # --- what every model shares ------------------------------------------------------------------------------------------
 
 
@@ -66,12 +68,14 @@ class Masking(Model):
 
     ndf: the distribution. parameters: what the kernels take last: the distribution's parameters, then the model's own.
     A model names three kernels: what it needs to know of a direction, once for all facets (`view_kernel`, by default
-    nothing); G1 given that; G2 given that for both directions.
+    nothing); G1 given that; G2 given that for both directions. The last two take the cosines om = wo.wm and im = wi.wm, above
+    0: who calls them knows on which side of the facet a direction is. A BRDF does without a dot product, whose sign rounding
+    decides where both directions graze: at the half vector both cosines are half the length of wo + wi.
     """
 
     view_kernel: Callable[..., float]  # view(ox, oy, oz, parameters)
-    masked_kernel: Callable[..., float]  # G1(view, ox, oy, oz, mx, my, mz, parameters)
-    shadowed_kernel: Callable[..., float]  # G2(view, light, ox, oy, oz, ix, iy, iz, mx, my, mz, parameters)
+    G1_of_cosine: Callable[..., float]  # G1(view, om, oz, mz, parameters)
+    G2_of_cosines: Callable[..., float]  # G2(view, light, om, im, ox, oy, oz, ix, iy, iz, mz, parameters)
     parameters: Parameters
 
     def __init__(self, ndf: Distribution) -> None:
@@ -105,6 +109,16 @@ class Masking(Model):
         return _sampling(self.sampler)([vectors("wo", wo), uniform("u", u)], self.parameters, out)
 
     @property
+    def masked_kernel(self) -> Callable[..., float]:
+        """G1(view, ox, oy, oz, mx, my, mz, parameters); 0 at a facet turned away."""
+        return facing(self.G1_of_cosine)
+
+    @property
+    def shadowed_kernel(self) -> Callable[..., float]:
+        """G2(view, light, ox, oy, oz, ix, iy, iz, mx, my, mz, parameters) at a facet turned to both directions."""
+        return between(self.G2_of_cosines)
+
+    @property
     def G1_kernel(self) -> Callable[..., float]:
         """G1(ox, oy, oz, mx, my, mz, parameters)."""
         return seen_by(self.view_kernel, self.masked_kernel)
@@ -129,11 +143,46 @@ def nothing(ox: float, oy: float, oz: float, p: Any) -> float:
 
 
 @cache
+def facing(masked: Callable[..., float]) -> Callable[..., float]:
+    """G1 of a direction and a normal, given G1 of the cosine between them."""
+
+    def faced(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
+        cosine = ox * mx + oy * my + oz * mz
+        return masked(view, cosine, oz, mz, p) if cosine > 0.0 else 0.0
+
+    return faced
+
+
+@cache
+def between(shadowed: Callable[..., float]) -> Callable[..., float]:
+    """G2 of two directions and a normal, given G2 of the cosines between them."""
+
+    def met(
+        view: float,
+        light: float,
+        ox: float,
+        oy: float,
+        oz: float,
+        ix: float,
+        iy: float,
+        iz: float,
+        mx: float,
+        my: float,
+        mz: float,
+        p: Any,
+    ) -> float:
+        om, im = ox * mx + oy * my + oz * mz, ix * mx + iy * my + iz * mz
+        return shadowed(view, light, om, im, ox, oy, oz, ix, iy, iz, mz, p)
+
+    return met
+
+
+@cache
 def seen_by(view: Callable[..., float], kernel: Callable[..., float]) -> Callable[..., float]:
     """A kernel of a direction and a normal that finds out for itself what it needs to know of the direction."""
 
     def seen(ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
-        return kernel(view(ox, oy, oz, p), ox, oy, oz, mx, my, mz, p) if oz > 0.0 else 0.0
+        return kernel(view(ox, oy, oz, p), ox, oy, oz, mx, my, mz, p) if oz > HORIZON else 0.0
 
     return seen
 
@@ -153,7 +202,7 @@ def seen_and_lit(view: Callable[..., float], kernel: Callable[..., float]) -> Ca
 
 def both_faces(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, mx: float, my: float, mz: float) -> bool:
     """Whether both directions are above the surface and on the facet's outer side."""
-    return oz > 0.0 and iz > 0.0 and ox * mx + oy * my + oz * mz > 0.0 and ix * mx + iy * my + iz * mz > 0.0
+    return oz > HORIZON and iz > HORIZON and ox * mx + oy * my + oz * mz > 0.0 and ix * mx + iy * my + iz * mz > 0.0
 
 
 @cache
@@ -182,8 +231,8 @@ def visible_density(masked: Callable[..., float], normals: Callable[..., float])
 
     def density(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
         cosine = ox * mx + oy * my + oz * mz
-        if not (oz > 0.0 and cosine > 0.0 and mz > 0.0):
+        if not (oz > HORIZON and cosine > 0.0 and mz > 0.0):
             return 0.0
-        return stated_visible(masked(view, ox, oy, oz, mx, my, mz, p), cosine, normals(mx, my, mz, p[0]), oz)
+        return stated_visible(masked(view, ox, oy, oz, mx, my, mz, p), cosine, 1.0, oz) * normals(mx, my, mz, p[0])
 
     return density

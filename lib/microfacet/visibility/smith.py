@@ -296,8 +296,8 @@ def packed_Lambda(closed: Callable[..., float]) -> Callable[..., float]:
 smith_G1 = G1.scalar
 
 
-def masked(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
-    return smith_G1(ox * mx + oy * my + oz * mz, view)
+def masked(view: float, om: float, oz: float, mz: float, p: Any) -> float:
+    return smith_G1(om, view)
 
 
 separable, height = shadowing.separable.scalar, shadowing.height.scalar
@@ -334,14 +334,14 @@ def shadowed(joint: Callable[..., float]) -> Callable[..., float]:
     def shadowed(
         view: float,
         light: float,
+        om: float,
+        im: float,
         ox: float,
         oy: float,
         oz: float,
         ix: float,
         iy: float,
         iz: float,
-        mx: float,
-        my: float,
         mz: float,
         p: Any,
     ) -> float:
@@ -363,8 +363,8 @@ class Smith(Masking):
         self.view_kernel = view_of(ndf)
         by_panels = self.view_kernel is panels_Lambda(type(ndf).kernel)
         self.parameters = (ndf.parameters, table_of(ndf.panels) if by_panels else ndf.scale)
-        self.masked_kernel = masked
-        self.shadowed_kernel = shadowed(JOINT[correlation])
+        self.G1_of_cosine = masked
+        self.G2_of_cosines = shadowed(JOINT[correlation])
 
     @property
     def sampler(self) -> Callable[..., tuple[float, float, float]] | None:

@@ -52,6 +52,7 @@ with sp.evaluate(False):
         title="Kelemen masking and shadowing",
         symbol=raw("G2_kelemen", r"G_2(\omega_o, \omega_i, \omega_m)"),
         equals=mu_o * mu_i / (om * im),
+        computed_as=mu_o / om * (mu_i / im),
         over={mu_o: COSINE, mu_i: COSINE, om: (1e-6, 1), im: (1e-6, 1)},
         slides=(58,),
         cite="kelemen2001",
@@ -104,64 +105,63 @@ kelemen_masking, kelemen_both = kelemen_G1.scalar, kelemen_G2.scalar
 schlick_masking, schlick_both = schlick_G1.scalar, schlick_G2.scalar
 
 
-def implicit_masked(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
-    return implicit_masking(ox * mx + oy * my + oz * mz, oz)
+def implicit_masked(view: float, om: float, oz: float, mz: float, p: Any) -> float:
+    return implicit_masking(om, oz)
 
 
 def implicit_shadowed(
     view: float,
     light: float,
+    om: float,
+    im: float,
     ox: float,
     oy: float,
     oz: float,
     ix: float,
     iy: float,
     iz: float,
-    mx: float,
-    my: float,
     mz: float,
     p: Any,
 ) -> float:
     return implicit_both(oz, iz)
 
 
-def kelemen_masked(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
-    cosine = ox * mx + oy * my + oz * mz
-    return kelemen_masking(cosine, oz) if cosine > 0.0 else 0.0
+def kelemen_masked(view: float, om: float, oz: float, mz: float, p: Any) -> float:
+    return kelemen_masking(om, oz)
 
 
 def kelemen_shadowed(
     view: float,
     light: float,
+    om: float,
+    im: float,
     ox: float,
     oy: float,
     oz: float,
     ix: float,
     iy: float,
     iz: float,
-    mx: float,
-    my: float,
     mz: float,
     p: Any,
 ) -> float:
-    return kelemen_both(oz, iz, ox * mx + oy * my + oz * mz, ix * mx + iy * my + iz * mz)
+    return kelemen_both(oz, iz, om, im)
 
 
-def schlick_masked(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
-    return schlick_masking(ox * mx + oy * my + oz * mz, oz, p[1][0])
+def schlick_masked(view: float, om: float, oz: float, mz: float, p: Any) -> float:
+    return schlick_masking(om, oz, p[1][0])
 
 
 def schlick_shadowed(
     view: float,
     light: float,
+    om: float,
+    im: float,
     ox: float,
     oy: float,
     oz: float,
     ix: float,
     iy: float,
     iz: float,
-    mx: float,
-    my: float,
     mz: float,
     p: Any,
 ) -> float:
@@ -172,16 +172,16 @@ class Implicit(Masking):
     """G2 = cos theta_o cos theta_i, which leaves D F/4 of the BRDF. Fails the validation equations. hoffman2010."""
 
     view_kernel = staticmethod(nothing)
-    masked_kernel = staticmethod(implicit_masked)
-    shadowed_kernel = staticmethod(implicit_shadowed)
+    G1_of_cosine = staticmethod(implicit_masked)
+    G2_of_cosines = staticmethod(implicit_shadowed)
 
 
 class Kelemen(Masking):
     """G2 = cos theta_o cos theta_i/(wo.wm)^2. Fails the validation equations. kelemen2001."""
 
     view_kernel = staticmethod(nothing)
-    masked_kernel = staticmethod(kelemen_masked)
-    shadowed_kernel = staticmethod(kelemen_shadowed)
+    G1_of_cosine = staticmethod(kelemen_masked)
+    G2_of_cosines = staticmethod(kelemen_shadowed)
 
 
 class SchlickSmith(Masking):
@@ -191,8 +191,8 @@ class SchlickSmith(Masking):
     """
 
     view_kernel = staticmethod(nothing)
-    masked_kernel = staticmethod(schlick_masked)
-    shadowed_kernel = staticmethod(schlick_shadowed)
+    G1_of_cosine = staticmethod(schlick_masked)
+    G2_of_cosines = staticmethod(schlick_shadowed)
 
     def __init__(self, ndf: Distribution, k: float | None = None) -> None:
         super().__init__(ndf)

@@ -110,31 +110,30 @@ with sp.evaluate(False):
 cavity_G1, cavity_G2 = G1.scalar, G2.scalar
 
 
-def masked(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
-    cosine = ox * mx + oy * my + oz * mz
-    return cavity_G1(cosine, mz, oz) if cosine > 0.0 and mz > 0.0 else 0.0
+def masked(view: float, om: float, oz: float, mz: float, p: Any) -> float:
+    return cavity_G1(om, mz, oz) if mz > 0.0 else 0.0
 
 
 def shadowed(
     view: float,
     light: float,
+    om: float,
+    im: float,
     ox: float,
     oy: float,
     oz: float,
     ix: float,
     iy: float,
     iz: float,
-    mx: float,
-    my: float,
     mz: float,
     p: Any,
 ) -> float:
-    return cavity_G2(ox * mx + oy * my + oz * mz, ix * mx + iy * my + iz * mz, mz, oz, iz) if mz > 0.0 else 0.0
+    return cavity_G2(om, im, mz, oz, iz) if mz > 0.0 else 0.0
 
 
 class VCavity(Masking):
     """V-cavities over a distribution with opposite facets, D(theta, phi) = D(theta, phi + pi). cook1982."""
 
     view_kernel = staticmethod(nothing)
-    masked_kernel = staticmethod(masked)
-    shadowed_kernel = staticmethod(shadowed)
+    G1_of_cosine = staticmethod(masked)
+    G2_of_cosines = staticmethod(shadowed)
