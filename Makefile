@@ -1,6 +1,7 @@
 # make report     build/report.pdf and build/report.html, with all it needs installed into .venv from requirements.lock
 # make test       the tests
 # make test-slow  the tests that take longer
+# make mutants    one small mistake at a time in the code around the statements: do tests find it? make mutants NUMBER=20 SEED=7: fewer, others
 # make lint       style, types, direction of imports
 # make record     put on record what every statement reached (a build compares with it and never writes it)
 # make bench      time the methods that chapter 7 compares, on a machine with nothing else to do; make bench NAME=brdf: only those
@@ -15,7 +16,7 @@ READY := .venv/ready
 unexport PYTHONDONTWRITEBYTECODE PYTHONHOME PYTHONPATH VIRTUAL_ENV
 export UV_PYTHON_DOWNLOADS := never
 
-.PHONY: report test test-slow lint record bench lock clean
+.PHONY: report test test-slow mutants lint record bench lock clean
 .DELETE_ON_ERROR:
 
 report: $(READY)
@@ -26,6 +27,9 @@ test: $(READY)
 
 test-slow: $(READY)
 	@$(BIN)/pytest -n auto --dist worksteal -m slow
+
+mutants: $(READY)
+	@$(BIN)/python tests/mutation/guarded.py $(if $(NUMBER),--number $(NUMBER)) $(if $(SEED),--seed $(SEED))
 
 lint: $(READY)
 	@$(BIN)/ruff check

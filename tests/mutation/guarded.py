@@ -1,0 +1,332 @@
+"""One small mistake at a time in the code around the statements: which ones does a test find?
+
+    make mutants                                  300 places, drawn with today's date as the seed
+    make mutants NUMBER=20 SEED=20260101          fewer, or another day's
+
+places.py says where a mistake can be made and which. A sample of these places is drawn over lib/, the scripts of figures' data
+and workflow/. Each mutant lives in a copy of the checkout, and meets the test files that call the function it is in (watch.py
+writes down which, in a first run without mistakes), the file that mirrors it first, until a test fails. Quick tests come first;
+slow ones see only what these let through. A run that does not end in time counts as killed.
+
+What changes nothing stands in equivalents.toml, with the reason; fewer than 95 % of the others killed is a failure.
+
+Why not a tool from the package index: mutmut 3 puts trampolines round functions, so that `inspect.getsource`, of which kernels
+are compiled, finds another text, and leaves what is outside of functions alone; cosmic-ray runs one command for all mutants and
+has no sample; mutatest has one, but has not been kept since 2022. None of them knows that a kernel is run by machine code.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import difflib
+import hashlib
+import json
+import os
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import tomllib
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path
+from queue import SimpleQueue
+from random import Random
+from typing import Any
+
+import places
+from places import Place
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+EQUIVALENTS = HERE / "equivalents.toml"
+ENOUGH = 0.95
+LEFT = shutil.ignore_patterns(
+    "build", "dist", ".git", ".venv", ".snakemake", "__pycache__", ".pytest_cache", ".mypy_cache", ".ruff_cache", "*.egg-info"
+)
+SUITES = ("not slow", "slow")
+PATIENCE = 90.0  # seconds that a run may take beyond four times what it takes without a mistake
+MEMORY = 24 << 30  # bytes that the tests of one mutant may ask for: a range that is doubled may ask for all there are
+BUILDERS = ("tests/workflow/", "tests/test_chapters.py", "tests/test_ledger.py")  # start workflow/ as processes of their own
+
+
+@dataclass
+class Outcome:
+    """What became of one mutant: killed by a test, by the clock (by = "time"), or by nothing (by = "")."""
+
+    place: Place
+    old: str
+    new: str
+    by: str = ""
+    why: str = ""
+    seconds: float = 0.0
+
+    @property
+    def state(self) -> str:
+        return "killed" if self.by else "equivalent" if self.why else "survived"
+
+
+@dataclass
+class Watched:
+    """What a test file calls, how long it takes and what of it fails without any mistake."""
+
+    file: str
+    suite: str
+    seconds: float
+    touched: dict[str, list[str]] = field(default_factory=dict)
+    failed: list[str] = field(default_factory=list)
+
+
+# --- a copy of the checkout -------------------------------------------------------------------------------------------
+
+
+class Copy:
+    """A copy of a checkout in which tests are run. Kernels that it compiles are forgotten after each run."""
+
+    def __init__(self, root: Path, folder: Path, kernels: Path, patience: float = PATIENCE) -> None:
+        self.root, self.kernels, self.patience = folder, kernels, patience
+        shutil.copytree(root, folder, ignore=LEFT)
+        if (root / ".venv").exists():
+            (folder / ".venv").symlink_to(root / ".venv")
+
+    def pytest(self, arguments: Sequence[str], limit: float, cache: Path, **variables: str) -> tuple[int | None, str]:
+        """Exit status (None if time was up) and what was printed."""
+        command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "--no-header", *arguments]
+        paths = os.pathsep.join((str(self.root / "tests/mutation"), str(HERE)))
+        settings = {"MICROFACET_CACHE": str(cache), "PYTHONPATH": paths, "PYTHONDONTWRITEBYTECODE": "1"}
+        process = subprocess.Popen(
+            command, cwd=self.root, env=os.environ | settings | variables, text=True, start_new_session=True,
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, preexec_fn=_frugal,
+        )  # fmt: skip
+        try:
+            said, _ = process.communicate(timeout=limit)
+            return process.returncode, said
+        except subprocess.TimeoutExpired:
+            return None, ""
+        finally:
+            _end(process)
+
+    def judged(self, place: Place, text: str, watched: Sequence[Watched], suite: str) -> str:
+        """The test that kills the mutant, or nothing."""
+        path, cache = self.root / place.file, self.root / "build" / "cache"
+        original = path.read_text("utf-8")
+        shutil.rmtree(cache, ignore_errors=True)
+        shutil.copytree(self.kernels, cache, copy_function=os.link)
+        path.write_text(text, "utf-8")
+        try:
+            skipped = [f"--deselect={test}" for one in watched for test in one.failed]
+            arguments = ["-x", "-m", suite, "-p", "in_order", *skipped, *(one.file for one in watched)]
+            status, said = self.pytest(arguments, self.patience + 4 * sum(one.seconds for one in watched), cache)
+        finally:
+            path.write_text(original, "utf-8")
+        return "time" if status is None else "" if status in (0, 5) else _first_failure(said)
+
+
+def _frugal() -> None:
+    os.nice(5)
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+
+
+def _end(process: subprocess.Popen[str]) -> None:
+    """The process and whatever it has started."""
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+
+
+def _first_failure(said: str) -> str:
+    lines = [line for line in said.splitlines() if line.startswith(("FAILED", "ERROR"))]
+    return lines[0].split(" - ")[0] if lines else (said.strip().splitlines() or ["crash"])[-1]
+
+
+# --- what each test file calls ------------------------------------------------------------------------------------------
+
+
+def test_files(root: Path) -> list[str]:
+    return sorted(str(path.relative_to(root)) for path in root.glob("tests/**/test_*.py") if "mutation" not in path.parts)
+
+
+def watch(copy: Copy, file: str, suite: str) -> Watched:
+    told = copy.root / "build" / "watched.json"
+    told.parent.mkdir(exist_ok=True)
+    told.unlink(missing_ok=True)
+    start = time.perf_counter()
+    copy.pytest(["-m", suite, "-p", "watch", file], 3600, copy.kernels, MICROFACET_WATCH=str(told))
+    found = json.loads(told.read_text("utf-8")) if told.exists() else {"touched": {}, "failed": []}
+    return Watched(file, suite, time.perf_counter() - start, found["touched"], found["failed"])
+
+
+def digest(root: Path) -> str:
+    """Of all that decides what the tests call."""
+    found = [
+        path for name in ("lib", "figures", "workflow", "tests", "chapters") for path in sorted((root / name).rglob("*.*"))
+    ]
+    texts = (path.read_bytes() for path in found if path.is_file() and "__pycache__" not in path.parts)
+    return hashlib.sha256(b"\0".join(texts)).hexdigest()[:16]
+
+
+def record(root: Path, copies: Sequence[Copy], suites: Sequence[str]) -> list[Watched]:
+    """By file and suite, kept under build/ for as long as nothing changes."""
+    folder = root / "build" / "mutants"
+    folder.mkdir(parents=True, exist_ok=True)
+    kept = folder / f"watched_{digest(copies[0].root)}.json"
+    known = [Watched(**one) for one in json.loads(kept.read_text("utf-8"))] if kept.exists() else []
+    have = {(one.file, one.suite) for one in known}
+    missing = [(file, suite) for suite in suites for file in test_files(root) if (file, suite) not in have]
+    known += shared_out(copies, missing, lambda copy, job: watch(copy, *job))
+    kept.write_text(json.dumps([asdict(one) for one in known]), "utf-8")
+    return known
+
+
+def shared_out(copies: Sequence[Copy], jobs: Sequence[Any], work: Any) -> list[Any]:
+    """work(copy, job) for every job, with each copy in use by one at a time."""
+    free: SimpleQueue[Copy] = SimpleQueue()
+    for copy in copies:
+        free.put(copy)
+
+    def one(job: Any) -> Any:
+        copy = free.get()
+        try:
+            return work(copy, job)
+        finally:
+            free.put(copy)
+
+    with ThreadPoolExecutor(len(copies)) as pool:
+        return list(pool.map(one, jobs))
+
+
+def chosen(place: Place, known: Iterable[Watched], suite: str) -> list[Watched]:
+    """The test files that may find a mistake there: the mirror first, then the quickest."""
+    able = [one for one in known if one.suite == suite and _calls(one, place)]
+    return sorted(able, key=lambda one: (not _mirrors(one.file, place.file), one.seconds))
+
+
+def _calls(one: Watched, place: Place) -> bool:
+    starts = place.file.startswith("workflow/") and one.file.startswith(BUILDERS)
+    return starts or place.function in one.touched.get(place.file, ())
+
+
+def _mirrors(test: str, file: str) -> bool:
+    return Path(test).stem == f"test_{Path(file).stem}" and Path(test).parent.name in (*Path(file).parts, "tests")
+
+
+# --- the run --------------------------------------------------------------------------------------------------------------
+
+
+def mutants(root: Path, number: int, seed: int, among: Sequence[str]) -> Iterator[tuple[Outcome, str]]:
+    """So many places, each as likely as any other, with one mistake made in each."""
+    random = Random(seed)
+    found = list(places.all_places(root, [file for file in places.files(root) if file.startswith(tuple(among))]))
+    for place in random.sample(found, min(number, len(found))):
+        text = (root / place.file).read_text("utf-8")
+        mutant = place.mutant(text, random)
+        yield Outcome(place, *_change(text, mutant)), mutant
+
+
+def _change(old: str, new: str) -> tuple[str, str]:
+    """The lines that differ."""
+    lines = list(difflib.unified_diff(old.splitlines(), new.splitlines(), n=0, lineterm=""))[3:]
+    sides = (" ".join(line[1:].strip() for line in lines if line[0] == sign) for sign in "-+")
+    return next(sides), next(sides)
+
+
+def equivalents(path: Path = EQUIVALENTS) -> dict[tuple[str, str, str], str]:
+    """(file, line, what it becomes) -> why that changes nothing."""
+    found = tomllib.loads(path.read_text("utf-8")).get("equivalent", []) if path.exists() else []
+    return {(one["file"], one["old"], one["new"]): one["why"] for one in found}
+
+
+def stale(root: Path, known: Iterable[tuple[str, str, str]]) -> list[tuple[str, str, str]]:
+    """Entries whose line is no longer there."""
+    return [one for one in known if not (root / one[0]).exists() or one[1] not in _lines(root / one[0])]
+
+
+def _lines(path: Path) -> str:
+    return " ".join(line.strip() for line in path.read_text("utf-8").splitlines())
+
+
+def judge(copy: Copy, outcome: Outcome, text: str, known: Sequence[Watched], suites: Sequence[str]) -> Outcome:
+    start = time.perf_counter()
+    for suite in suites:
+        if not outcome.by and (able := chosen(outcome.place, known, suite)):
+            outcome.by = copy.judged(outcome.place, text, able, suite)
+    outcome.seconds = time.perf_counter() - start
+    return outcome
+
+
+def run(
+    root: Path, number: int, seed: int, among: Sequence[str] = ("",), suites: Sequence[str] = SUITES, workers: int = 2,
+    why: dict[tuple[str, str, str], str] | None = None, patience: float = PATIENCE,
+) -> list[Outcome]:  # fmt: skip
+    """Draw, judge and return; each outcome is printed as it comes."""
+    with tempfile.TemporaryDirectory(prefix="mutants", ignore_cleanup_errors=True) as folder:
+        kernels = Path(folder) / "kernels"
+        kernels.mkdir()
+        copies = [Copy(root, Path(folder) / f"copy{k}" / "checkout", kernels, patience) for k in range(workers)]
+        known = record(root, copies, suites)
+        for test in sorted(test for one in known for test in one.failed):
+            print(f"fails without any mistake, and is left out: {test}")
+
+        def one(copy: Copy, job: tuple[Outcome, str]) -> Outcome:
+            outcome = judge(copy, *job, known, suites)
+            outcome.why = (why or {}).get((outcome.place.file, outcome.old, outcome.new), "")
+            print(told(outcome), flush=True)
+            return outcome
+
+        found: list[Outcome] = shared_out(copies, list(mutants(copies[0].root, number, seed, among)), one)
+    return found
+
+
+def told(outcome: Outcome) -> str:
+    place = outcome.place
+    first = f"{outcome.state} in {outcome.seconds:.0f} s  {place.file}:{place.line}  {place.rule}  {outcome.by or outcome.why}"
+    return first if outcome.by else f"{first}\n    - {outcome.old}\n    + {outcome.new}"
+
+
+def area(file: str) -> str:
+    parts = Path(file).parts
+    return "/".join(parts[:3] if parts[0] == "lib" and len(parts) > 3 else parts[: 2 if parts[0] == "lib" else 1])
+
+
+def rate(outcomes: Sequence[Outcome]) -> float:
+    """The part killed of those that change anything."""
+    real = [outcome for outcome in outcomes if outcome.state != "equivalent"]
+    return sum(outcome.state == "killed" for outcome in real) / len(real) if real else 1.0
+
+
+def summary(outcomes: Sequence[Outcome]) -> str:
+    tally = Counter((area(outcome.place.file), outcome.state) for outcome in outcomes)
+    names = sorted({name for name, _ in tally})
+    states = ("killed", "survived", "equivalent")
+    lines = [f"{name:26}" + "".join(f"{tally[name, state]:12}" for state in states) for name in names]
+    return "\n".join([f"{'':26}" + "".join(f"{state:>12}" for state in states), *lines, f"{rate(outcomes):.1%} killed"])
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(description="make one small mistake at a time and see whether a test finds it")
+    parser.add_argument("--number", type=int, default=300)
+    parser.add_argument("--seed", type=int, default=int(f"{datetime.now(UTC):%Y%m%d}"))
+    parser.add_argument("--workers", type=int, default=len(os.sched_getaffinity(0)))
+    parser.add_argument("--quick", action="store_true", help="the quick tests only")
+    parser.add_argument("--among", nargs="*", default=[""], help="beginnings of names of files")
+    given = parser.parse_args(arguments)
+    print(f"{given.number} places, seed {given.seed}", flush=True)
+    why = equivalents()
+    outcomes = run(ROOT, given.number, given.seed, given.among, SUITES[: 1 if given.quick else 2], given.workers, why)
+    out = ROOT / "build" / "mutants" / f"{given.seed}.json"
+    out.write_text(json.dumps([asdict(outcome) | {"state": outcome.state} for outcome in outcomes], indent=1), "utf-8")
+    print(summary(outcomes))
+    for file, old, _ in stale(ROOT, why):
+        print(f"no longer there, so take it out of {EQUIVALENTS.name}: {file}: {old}")
+    return int(rate(outcomes) < ENOUGH)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,67 @@
+"""A pytest plugin that writes down which functions of this checkout a run of tests called or compiled.
+
+`python -m pytest -p watch FILE`; $MICROFACET_WATCH names the file to write. It looks at calls and not at lines, which costs
+little; what a kernel consists of is not called when it is compiled, so that is asked of `Batch`. A module that is imported
+counts as a function without a name. It also writes down which tests failed.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import threading
+from pathlib import Path
+from types import CodeType, FrameType
+from typing import Any
+
+ROOT = Path.cwd()
+PLACES = ("lib", "figures", "workflow")
+seen: set[CodeType] = set()
+failed: set[str] = set()
+
+
+def look(frame: FrameType, event: str, argument: Any) -> None:
+    if event == "call":
+        seen.add(frame.f_code)
+
+
+threading.setprofile(look)
+sys.setprofile(look)
+
+
+def pytest_sessionstart() -> None:
+    from microfacet import kernels
+
+    def add(program: Any, function: Any, added: Any = kernels._Program.add) -> str:
+        seen.add(function.__code__)
+        return added(program, function)
+
+    kernels._Program.add = add  # type: ignore[method-assign]
+
+
+def pytest_runtest_logreport(report: Any) -> None:
+    if report.failed:
+        failed.add(report.nodeid)
+
+
+def touched() -> dict[str, list[str]]:
+    """File -> names of its functions."""
+    found: dict[str, set[str]] = {}
+    for code in seen:
+        path = Path(code.co_filename)
+        if path.is_absolute() and path.is_relative_to(ROOT) and path.relative_to(ROOT).parts[0] in PLACES:
+            found.setdefault(str(path.relative_to(ROOT)), set()).add(named(code.co_qualname))
+    return {file: sorted(names) for file, names in sorted(found.items())}
+
+
+def named(qualname: str) -> str:
+    """As places.py has it: "Class.method.inner", and "" for the module; lambdas belong to what is around them."""
+    parts = qualname.replace(".<locals>", "").split(".")
+    return ".".join(part for part in parts if not part.startswith("<"))
+
+
+def pytest_sessionfinish() -> None:
+    sys.setprofile(None)
+    threading.setprofile(None)  # type: ignore[arg-type]
+    Path(os.environ["MICROFACET_WATCH"]).write_text(json.dumps({"touched": touched(), "failed": sorted(failed)}), "utf-8")
