@@ -21,6 +21,7 @@ PUBLIC = {
     "Conductor": "material.fresnel",
     "Dielectric": "material.fresnel",
     "Diffuse": "brdf.diffuse",
+    "F82Tint": "material.fresnel",
     "GGX": "geometry.ggx",
     "Implicit": "visibility.unphysical",
     "Kelemen": "visibility.unphysical",

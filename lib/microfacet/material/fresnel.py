@@ -7,10 +7,10 @@ from functools import cache
 from math import sqrt
 from typing import Any, ClassVar
 
-import numpy as np
 import sympy as sp
 
-from microfacet.directions import numbers, positive, within
+from microfacet.arithmetic import two_product, two_sum
+from microfacet.directions import cosines, real_number, within
 from microfacet.kernels import Batch, Parameters, packed
 from microfacet.model import Model
 from microfacet.notation import raw
@@ -18,45 +18,114 @@ from microfacet.statement import Equation
 
 c = sp.Symbol("c", positive=True)  # cosine between light and facet normal
 eta, kappa = sp.symbols("eta kappa", positive=True)  # refractive index relative to outside; its imaginary part
-F0 = sp.Symbol("F_0", positive=True)
+F0, F90 = sp.symbols("F_0 F_90", positive=True)  # reflectance at normal and at grazing incidence
+tint = sp.Symbol("t", positive=True)  # of the reflectance at 82 degrees
+b82 = sp.Symbol("b", positive=True)
 g = sp.Symbol("g", positive=True)
 COSINE = (1e-6, 1)
 INDEX = (1e-10, 1e8)  # at 1e-12 and at 1e10 single precision gives no numbers any more
+ABSORPTION = (1e-20, 1e8)  # below, squares vanish in single precision before the reflectance of an index near 1 does
 reflectance = r"F(\omega_o, \omega_h)"
 
 # --- statements ---------------------------------------------------------------------------------------------------
 
 
+def critical(eta: float, kappa: float) -> tuple[float, float, float]:
+    """1 + kappa^2 - eta^2, and its root in two parts, where it is above 0: the cosine below which all light is reflected."""
+    square, lost = two_product(eta, eta)
+    absorbed, missing = two_product(kappa, kappa)
+    part, first = two_sum(absorbed, -square)
+    whole, second = two_sum(part, 1.0)
+    total, rest = two_sum(whole, (first + second) + (missing - lost))
+    root = sqrt(total) if total > 0.0 else 1.0
+    back, error = two_product(root, root)
+    return total, root, (((total - back) - error) + rest) / (2.0 * root)
+
+
+def beyond_critical(c: float, eta: float, kappa: float) -> float:
+    """c^2 - 1 + eta^2 - kappa^2 without loss of digits, next to its zero too; the zero depends on the material only."""
+    total, root, rest = critical(eta, kappa)
+    return ((c - root) - rest) * (c + root) if total > 0.0 else c * c - total
+
+
 def dielectric(c: float, eta: float) -> float:
-    """Reflectance of a dielectric; 1 beyond the angle of total reflection."""
+    """Reflectance of a dielectric; 1 beyond the angle of total reflection, and 0 for equal indices."""
     contrast = (eta - 1.0) * (eta + 1.0)
-    square = contrast + c * c
+    square = beyond_critical(c, eta, 0.0)
     if not square > 0.0:
-        return 1.0
+        return 1.0 if contrast < 0.0 else 0.0
+    s2 = (1.0 - c) * (1.0 + c)
     g = sqrt(square)
     both = g + c
-    apart = contrast / both
-    r = 1.0 - 2.0 * c / both if 3.0 * c < g else apart / both
-    s = (c * both - 1.0) / (c * apart + 1.0)
-    return 0.5 * (r * r) * (1.0 + s * s)
+    r = 1.0 - 2.0 * c / both if 3.0 * c < g else contrast / (both * both)
+    s = (c * g - s2) / (c * g + s2)
+    return min(0.5 * (r * r) * (1.0 + s * s), 1.0)
+
+
+def length(x: float, y: float) -> float:
+    """sqrt(x^2 + y^2) of two numbers from 0, without squares that overflow or vanish."""
+    larger = max(x, y)
+    share = min(x, y) / larger if larger > 0.0 else 0.0
+    return larger * sqrt(1.0 + share * share)
 
 
 def conductor(c: float, eta: float, kappa: float) -> float:
-    """Reflectance of a conductor of index eta + i kappa, outside index 1."""
+    """Reflectance of a conductor of index eta + i kappa, outside index 1; for kappa = 0 that of a dielectric.
+
+    Where the index is near 1, a + i b - c is small: it is (index^2 - 1)/(a + i b + c), of which the modulus loses no digits.
+    """
+    contrast = length(abs(eta - 1.0), kappa) * length(eta + 1.0, kappa)
+    if not contrast > 0.0:
+        return 0.0
     s2 = (1.0 - c) * (1.0 + c)
-    t = (eta - kappa) * (eta + kappa) - s2
+    t = beyond_critical(c, eta, kappa)
     product = eta * kappa
-    length = sqrt(t * t + 4.0 * product * product)
-    large = sqrt(0.5 * (length + abs(t)))
+    # products of t and of 2 eta kappa by 256 are normal numbers in single precision over all of `INDEX`
+    modulus = sqrt((256.0 * t) * (256.0 * t) + (512.0 * product) * (512.0 * product)) / 256.0
+    large = sqrt(0.5 * (modulus + abs(t)))
     small = product / large if large > 0.0 else 0.0
-    a = large if t >= 0.0 else small
-    b = small if t >= 0.0 else large
-    apart = a - c
-    if t >= 0.0 and abs(apart) < 0.5 * a:
-        apart = ((eta - 1.0) * (eta + 1.0) - (kappa - b) * (kappa + b)) / (a + c)
-    across = (apart * apart + b * b) / ((a + c) * (a + c) + b * b)
+    a = large if t > 0.0 else small
+    b = small if t > 0.0 else large
+    both = (a + c) * (a + c) + b * b
+    near = t > 0.0 and 3.0 * c > a
+    ratio = (contrast if near else (a - c) * (a - c) + b * b) / both
+    across = ratio * ratio if near else ratio
     along = ((a * c - s2) * (a * c - s2) + (b * c) * (b * c)) / ((a * c + s2) * (a * c + s2) + (b * c) * (b * c))
-    return 0.5 * across * (1.0 + along)
+    return min(0.5 * across * (1.0 + along), 1.0)
+
+
+def schlick(c: float, F0: float, F90: float) -> float:
+    """F0 (1 - u^5) + F90 u^5 with u = 1 - c: a sum of what is not negative, so that no digits are lost."""
+    u = 1.0 - c
+    fourth = (u * u) * (u * u)
+    series = (1.0 + u) * (1.0 + u * u) + fourth
+    return min(F0 * c * series + F90 * (fourth * u), 1.0)
+
+
+def f82(c: float, F0: float, tint: float, F90: float) -> float:
+    """The same, less b c (1 - c)^6."""
+    b = (1.0 - tint) * (F0 * F0_AT_EDGE + F90 * (1.0 - F0_AT_EDGE)) * PER_EDGE
+    u = 1.0 - c
+    cube = u * u * u
+    return max(schlick(c, F0, F90) - b * c * (cube * cube), 0.0)
+
+
+F0_AT_EDGE = 9031.0 / 16807.0  # what F0 counts at c = 1/7: 1 - (6/7)^5
+PER_EDGE = 823543.0 / 46656.0  # 1 over c (1 - c)^6 at c = 1/7
+
+
+def lowest_f82(F0: float, tint: float, F90: float) -> tuple[float, float]:
+    """The cosine, and the value there, at which the tinted approximation is least between its ends.
+
+    With u = 1 - c its derivative by u is u^4 (5 (F90 - F0) - 6 b u + 7 b u^2): the least value is at the larger root.
+    """
+    b = (1 - tint) * (F0 * F0_AT_EDGE + F90 * (1 - F0_AT_EDGE)) * PER_EDGE
+    square = 9 - 35 * (F90 - F0) / b if b > 0 else -1.0
+    u = min((3 + sqrt(square)) / 7, 1.0) if square >= 0 else 0.0  # without a root it rises from F0 to F90
+    return 1 - u, F0 + (F90 - F0) * u**5 - b * (1 - u) * u**6
+
+
+LEAST = 1e-15  # rounding of what touches 0
 
 
 def _refracted() -> sp.Expr:
@@ -86,7 +155,7 @@ def _refraction_steps() -> list[Any]:
     return [sp.sqrt(1 - sine**2) - _refracted(), (eta * _refracted()) ** 2 - (eta**2 - 1 + c**2)]
 
 
-def _share(a: sp.Expr) -> sp.Expr:
+def _returned(a: sp.Expr) -> sp.Expr:
     """What comes back of one polarisation. Kept as it is written: sympy would find it to be 1."""
     return sp.Abs((a - sp.I * _b) / (a + sp.I * _b), evaluate=False) ** 2
 
@@ -125,7 +194,7 @@ with sp.evaluate(False):
         where={refracted: _refracted(), g: _root},
         rewrite_proof=list,
         computed_by=dielectric,
-        over={c: COSINE, eta: (1.0001, 4)},
+        over={c: COSINE, eta: (1.0001, INDEX[1])},
         proof=_dielectric_steps,
         proved_by="sympy: both usual forms, in terms of g",
         slides=(47, 48),
@@ -136,12 +205,12 @@ with sp.evaluate(False):
         key="material.fresnel.total",
         title="total reflection",
         symbol=raw("F_total", reflectance),
-        means=(_share(c) + _share(eta**2 * c)) / 2,
+        means=(_returned(c) + _returned(eta**2 * c)) / 2,
         equals=sp.Integer(1),
         where={_b: sp.sqrt(1 - eta**2 - c**2)},
         computed_by=dielectric,
         within=(0, 0),
-        over={c: (1e-6, 0.7), eta: (0.01, 0.7)},
+        over={c: (1e-6, 0.7), eta: (INDEX[0], 0.7)},
         proof=_total_steps,
         proved_by="sympy: g is imaginary, so each amplitude is a number over its conjugate",
         slides=(47, 48),
@@ -156,6 +225,58 @@ with sp.evaluate(False):
         over={c: COSINE, F0: (0.001, 1)},
         slides=(47, 48),
         cite="schlick1994",
+    )
+
+
+EDGE = sp.Rational(1, 7)  # cosine of some 82 degrees, where c (1 - c)^6 is largest
+
+
+def _schlick(cosine: Any) -> Any:
+    return F0 + (F90 - F0) * (1 - cosine) ** 5
+
+
+def _f82_steps(it: Equation) -> list[Any]:
+    """Its values at 1/7, at 0 and at 1; what is taken off is largest at 1/7."""
+    F = it.equals.subs(it.where).doit()
+    off = c * (1 - c) ** 6
+    return [
+        F.subs(c, EDGE) - tint * _schlick(EDGE),
+        F.subs(c, 0) - F90,
+        F.subs(c, 1) - F0,
+        sp.factor(sp.diff(off, c)) - (1 - 7 * c) * (1 - c) ** 5,
+        F.subs(tint, 1) - _schlick(c),
+    ]
+
+
+with sp.evaluate(False):
+    _TINTED = F0 + (F90 - F0) * (1 - c) ** 5 - b82 * c * (1 - c) ** 6
+    _B82 = (1 - tint) * (F0 + (F90 - F0) * sp.Rational(6, 7) ** 5) / (sp.Rational(1, 7) * sp.Rational(6, 7) ** 6)
+    edge_F = Equation(
+        key="material.fresnel.edge",
+        title="Schlick's approximation with any reflectance at grazing incidence",
+        symbol=raw("F_edge", reflectance),
+        equals=F0 + (F90 - F0) * (1 - c) ** 5,
+        computed_by=schlick,
+        over={c: COSINE, F0: (1e-6, 1), F90: (1e-6, 1)},
+        slides=(47, 48),
+        cite="schlick1994",
+        note="F_90 = 1 is Schlick's; the kernel adds two numbers that are not negative.",
+    )
+    f82_F = Equation(
+        key="material.fresnel.f82",
+        title="Schlick's approximation with a tint near grazing incidence",
+        symbol=raw("F_82", reflectance),
+        equals=_TINTED,
+        where={b82: _B82},
+        computed_as=_TINTED.subs(b82, _B82),
+        computed_by=f82,
+        over={c: COSINE, F0: (0.3, 1), tint: (0.5, 1), F90: (0.3, 1)},
+        proof=_f82_steps,
+        rewrite_proof=list,
+        proved_by="sympy: its values at 1/7, 0 and 1, and the derivative of what is taken off",
+        slides=(47, 48),
+        cite="hoffman2019",
+        note="t is the tint at 82 degrees.",
     )
 
 # a + i b = sqrt((eta + i kappa)^2 - sin^2 theta), the conductor's refracted cosine times its index
@@ -202,7 +323,7 @@ conductor_F = Equation(
     rewrite_proof=list,
     where={_a: _A, _b: sp.sqrt(_B2)},
     computed_by=conductor,
-    over={c: COSINE, eta: (0.05, 5), kappa: (0.01, 10)},
+    over={c: COSINE, eta: INDEX, kappa: INDEX},
     proof=_conductor_steps,
     proved_by="sympy: complex amplitudes, their moduli squared",
     slides=(47, 48),
@@ -234,11 +355,8 @@ class Fresnel(Model):
     parameters: Parameters
 
     def F(self, cosine: Any) -> Any:
-        """Reflectance in [0, 1] at cosines in [0, 1]; any shape."""
-        values = numbers("cosine", cosine).array
-        if not np.all((values >= 0) & (values <= 1)):
-            raise ValueError(f"cosine must lie in [0, 1], got {values.min()} to {values.max()}")
-        return _over_cosines(type(self).kernel)([values], self.parameters)
+        """Reflectance in [0, 1] at cosines in [0, 1], which rounding may have left by 1e-5; any shape."""
+        return _over_cosines(type(self).kernel)([cosines("cosine", cosine)], self.parameters)
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({', '.join(map(repr, self.parameters))})"
@@ -251,6 +369,29 @@ def _over_cosines(kernel: Callable[..., float]) -> Batch:
 
 def kernel_mirror(c: float, p: Any) -> float:
     return 1.0
+
+
+def _share(name: str, value: Any) -> float:
+    """The argument as a float in [0, 1]; anything else is a ValueError that names it."""
+    number = _number(name, value)
+    if not 0 <= number <= 1:
+        raise ValueError(f"{name} must lie in [0, 1], got {number:g}")
+    return number
+
+
+def _absorption(k: Any) -> float:
+    """The argument as a float that is 0 or within `ABSORPTION`; anything else is a ValueError."""
+    number, (low, high) = _number("k", k), ABSORPTION
+    if number != 0 and not low <= number <= high:
+        raise ValueError(f"k must be 0 or lie between {low:g} and {high:g}, got {number:g}")
+    return number
+
+
+def _number(name: str, value: Any) -> float:
+    try:
+        return real_number(value)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be a number, got {value!r}") from None
 
 
 class Mirror(Fresnel):
@@ -270,20 +411,45 @@ class Dielectric(Fresnel):
 
 
 class Conductor(Fresnel):
-    """A conductor of complex index eta + i k, both within `INDEX`, else a ValueError; outside index 1. cook1982."""
+    """A conductor of complex index eta + i k, outside index 1. cook1982.
+
+    eta: within `INDEX`. k: 0, which makes it a dielectric, or within `ABSORPTION`. ValueError for others.
+    """
 
     kernel = staticmethod(packed(conductor, 1, 2))
 
     def __init__(self, eta: float, k: float) -> None:
-        self.parameters = (within("eta", eta, INDEX), within("k", k, INDEX))
+        self.parameters = (within("eta", eta, INDEX), _absorption(k))
 
 
 class Schlick(Fresnel):
-    """Schlick's approximation from the reflectance F0 at normal incidence, in (0, 1]. schlick1994."""
+    """Schlick's approximation, from the reflectance F0 at normal and F90 at grazing incidence. schlick1994.
 
-    kernel = staticmethod(packed(schlick_F.scalar, 1, 1))
+    F0 + (F90 - F0)(1 - c)^5, both in [0, 1], else a ValueError. Schlick has F90 = 1.
+    """
 
-    def __init__(self, F0: float) -> None:
-        if positive("F0", F0) > 1:
-            raise ValueError(f"F0 must lie in (0, 1], got {F0}")
-        self.parameters = (float(F0),)
+    kernel = staticmethod(packed(schlick, 1, 2))
+
+    def __init__(self, F0: float, F90: float = 1.0) -> None:
+        self.parameters = (_share("F0", F0), _share("F90", F90))
+
+
+class F82Tint(Fresnel):
+    """Schlick's approximation, darkened near 82 degrees as metals are. hoffman2019; kutz2021.
+
+    F0 + (F90 - F0)(1 - c)^5 - b c (1 - c)^6, with b such that at c = 1/7, some 82 degrees, it is `tint` times Schlick's.
+    All three lie in [0, 1]. The name is the one that shading standards give the model: they ask for the tint, a factor,
+    since a reflectance above Schlick's could exceed 1. ValueError for others, and for a tint so dark that the reflectance would
+    fall below 0 at another angle; that happens where F0 is small.
+    """
+
+    kernel = staticmethod(packed(f82, 1, 3))
+
+    def __init__(self, F0: float, tint: float = 1.0, F90: float = 1.0) -> None:
+        self.parameters = (_share("F0", F0), _share("tint", tint), _share("F90", F90))
+        cosine, lowest = lowest_f82(*self.parameters)
+        if lowest < -LEAST:
+            raise ValueError(
+                f"tint must be lighter for F0 = {F0:g} and F90 = {F90:g}: the reflectance falls to {lowest:.3g} "
+                f"at cosine {cosine:.3g}, got {tint:g}"
+            )
