@@ -128,7 +128,7 @@ def surfaces_asked_for(config: Mapping[str, Any]) -> tuple[int, int]:
     known = {"surfaces": campaign.SURFACES, "range": campaign.RANGE}
     for name in config.keys() - known.keys():
         inventory.stop(f"{inventory.unknown('setting', name, known)} --config takes surfaces=N and range=N.")
-    count, size = (known | config).values()
+    count, size = {**known, **config}.values()
     if not (isinstance(count, int) and isinstance(size, int) and count >= 2 and size >= 1):
         inventory.stop(f"--config takes surfaces=N, at least 2, and range=N, at least 1; got {count!r} and {size!r}.")
     return count, size

@@ -420,6 +420,8 @@ class Batch:
         """The loop itself, without the dispatcher that would look at the types of what it is called with."""
         import numba
 
+        if numba.core.config.DISABLE_JIT:
+            raise ValueError("NUMBA_DISABLE_JIT is set, but a kernel must be compiled: unset it")
         kind = numba.typeof(parameters)
         if (real, kind, single, kinds) not in self._loops:
             module = _load(_write(self.text(real, single, kinds)))
