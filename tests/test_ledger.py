@@ -14,6 +14,7 @@ import pytest
 from integrals import integral_differs, stands_for_integrals
 from microfacet import checks
 from microfacet.__main__ import main
+from microfacet.files import keep, recall
 from microfacet.notation import Direction
 from microfacet.statement import Equation
 
@@ -125,13 +126,15 @@ def test_a_kept_record_is_taken_until_the_statement_changes(tmp_path: Path) -> N
     words = ["check", "visibility.smith.heights", "--kept", str(tmp_path / "kept"), "--out", str(tmp_path / "out.json")]
     assert main(words) == 0
     (kept,) = (tmp_path / "kept").iterdir()
-    fresh = kept.read_text()
-    kept.write_text(fresh.replace('"verdict": "pass"', '"verdict": "kept"'))
+    fresh, record = kept.read_text(), recall(kept)
+    keep(kept, record | {"verdict": "kept"})
     assert main(words) == 0
     assert '"verdict": "kept"' in (tmp_path / "out.json").read_text()
-    kept.write_text("{torn")
-    assert main(words) == 0
-    assert kept.read_text() == (tmp_path / "out.json").read_text() == fresh
+    for altered in (fresh.replace('"pass"', '"fail"'), "{torn", "", fresh.replace(record["key"], "another")):
+        kept.write_text(altered)
+        assert main(words) == 0
+        assert kept.read_text() == fresh
+        assert json.loads((tmp_path / "out.json").read_text()) == {record["key"]: record}
     kept.rename(kept.with_name(f"visibility.smith.heights-{'0' * 20}.json"))
     assert main(words) == 0
     assert len(list((tmp_path / "kept").iterdir())) == 2

@@ -7,6 +7,7 @@ import json
 import os
 import re
 import shlex
+import signal
 import sys
 from collections.abc import Iterable, Mapping
 from functools import cache
@@ -40,15 +41,26 @@ def settle_environment() -> None:
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     threads = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
     os.environ.setdefault("MICROFACET_CACHE", str(Path("build/kernels").resolve()))
+    os.environ["PYTHONUTF8"] = "1"
     os.environ |= dict.fromkeys(threads, "1") | {"MPLBACKEND": "agg", "PYTHONHASHSEED": "0"}
 
 
 def repeat_failures(logs: Iterable[str]) -> None:
     """At the end what was said minutes ago: which jobs failed, each with the sentence that says why."""
-    told = "".join(Path(log).read_text("utf-8") for log in logs)
-    for name in dict.fromkeys(re.findall(r"^Logfile (\S+):$", told, re.M)):
-        said = [line for line in Path(name).read_text("utf-8").splitlines() if line.strip()] or ["said nothing"]
-        print(f"{name}: {said[-1] if said[0].startswith('Traceback') else said[0]}", file=sys.stderr)
+    told = "".join(Path(log).read_text("utf-8", errors="replace") for log in logs)
+    statuses = dict(re.findall(r"^Command '.*? 2> (\S+) .*' (returned non-zero exit status \d+|died with .*)\.$", told, re.M))
+    for name in dict.fromkeys(re.findall(r"^    log: (\S+)", told, re.M)):
+        print(f"{name}: {last_words(Path(name), statuses.get(name, ''))}", file=sys.stderr)
+
+
+def last_words(log: Path, status: str) -> str:
+    """Why a job failed: the first line it wrote, the last one of a traceback, or which signal ended it."""
+    number = int(re.search(r"\d+|$", status)[0] or 0)  # type: ignore[index]
+    if number > 128 or "died" in status:
+        return f"the job was killed ({signal.Signals(number % 128).name}); start the build again"
+    text = log.read_text("utf-8", errors="replace") if log.exists() else ""
+    said = [line for line in text.splitlines() if line.strip()] or [f"the job {status or 'ended'} without a word"]
+    return said[-1] if said[0].startswith("Traceback") else said[0]
 
 
 def digest(value: object) -> str:
@@ -128,7 +140,7 @@ def surfaces_asked_for(config: Mapping[str, Any]) -> tuple[int, int]:
     known = {"surfaces": campaign.SURFACES, "range": campaign.RANGE}
     for name in config.keys() - known.keys():
         inventory.stop(f"{inventory.unknown('setting', name, known)} --config takes surfaces=N and range=N.")
-    count, size = (known | config).values()
+    count, size = {**known, **config}.values()
     if not (isinstance(count, int) and isinstance(size, int) and count >= 2 and size >= 1):
         inventory.stop(f"--config takes surfaces=N, at least 2, and range=N, at least 1; got {count!r} and {size!r}.")
     return count, size

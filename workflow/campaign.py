@@ -42,12 +42,13 @@ def gathered(script: Path | None) -> list[str]:
 
 
 def measure(entry: str, first: str, last: str, output: str) -> None:
-    from microfacet.datafile import store
+    from microfacet.datafile import refuse, store
     from microfacet.surface.campaign import CAMPAIGN
     from microfacet.surface.measure import shard
 
     if entry not in CAMPAIGN:
         sys.exit(f"The campaign has no {entry!r}; it has {', '.join(CAMPAIGN)}.")
+    refuse(output)
     store(output, **shard(CAMPAIGN[entry].family, CAMPAIGN[entry].plan, int(first), int(last)))
 
 

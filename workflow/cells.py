@@ -7,9 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from math import ceil, log10
+from pathlib import Path
 from typing import Any
 
 import inventory
+import seal
 
 
 class Markdown:
@@ -54,7 +56,9 @@ def data(name: str) -> Any:
     if name not in inventory.figures() or not inventory.figures()[name].data:
         with_data = [n for n, f in inventory.figures().items() if f.data]
         raise LookupError(inventory.unknown("figure with data", name, with_data))
-    return np.load(f"build/data/{name}.npz")
+    path = Path(f"build/data/{name}.npz")
+    seal.refuse_broken([path])
+    return np.load(path)
 
 
 def table(

@@ -14,9 +14,11 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+import fences
 import inventory
 
-DIRECTIVE = re.compile(r"^(?:```+|:::+)\s*\{([^}#.=\s][^}]*)\}", re.M)
+DIRECTIVE = re.compile(r"^(?:```+|~~~+|:::+)\s*\{([^}#.=\s][^}]*)\}", re.M)
+CELL_FENCE = re.compile(r"^(````+|~~~+)\s*\{code-cell\}", re.M)
 ROLE = re.compile(r"\{[a-z][\w:-]*\}`[^`\n]+`")
 LONGEST_CELL = 4
 
@@ -26,6 +28,8 @@ def complaints(path: Path) -> list[str]:
     text = path.read_text("utf-8")
     found = [(m.start(), f"the directive {{{m[1]}}} is not {{code-cell}}") for m in DIRECTIVE.finditer(text)
              if m[1] != "code-cell"]  # fmt: skip
+    found += [(at, f"{what} is never closed") for at, what in fences.unclosed(text)]
+    found += [(m.start(), f"a cell is fenced by ```, not by {m[1]}") for m in CELL_FENCE.finditer(text)]
     found += [(m.start(), f"the role {m[0]} would be printed as it stands") for m in ROLE.finditer(text)]
     prose = re.sub(inventory.CELL, blank, text)
     found += [(m.start(), "an inline value with braces of its own would be printed as it stands; give it a name in a cell")

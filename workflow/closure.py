@@ -14,6 +14,7 @@ import ast
 import hashlib
 import sys
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
@@ -281,7 +282,8 @@ def of_source(source: str, folder: Path | None = None) -> frozenset[Path]:
     known = recall(kept)
     if known is None:
         known = sorted(map(str, read_through(source, folder)))
-        keep(kept, known)
+        with suppress(OSError, ValueError):  # then it is read again
+            keep(kept, known)
     return frozenset(map(Path, known))
 
 

@@ -9,6 +9,7 @@ import os
 import re
 import sys
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -62,7 +63,10 @@ def write_atomically(path: Path, content: bytes | str) -> None:
     """A reader, or a killed build, never sees half a file."""
     from microfacet.files import write
 
-    write(path, content)
+    try:
+        write(path, content)
+    except (OSError, ValueError) as error:
+        stop(str(error))
 
 
 # Statements ------------------------------------------------------------------------------------
@@ -81,7 +85,8 @@ def statements() -> dict[str, dict[str, Any]]:
     kept = recall(CACHE)
     if kept is None or kept["source"] != source:
         kept = {"source": source, "statements": ask_library()}
-        keep(CACHE, kept)
+        with suppress(OSError, ValueError):  # then it is asked again
+            keep(CACHE, kept)
     return dict(kept["statements"])
 
 

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import inventory
+import seal
 import web
 import yaml
 
@@ -114,8 +115,20 @@ def parse() -> argparse.Namespace:
     return parser.parse_args()
 
 
+def refuse_broken_parts() -> None:
+    """A torn text would blame its chapter, and a torn picture Typst."""
+    figures = {name for chapter in inventory.chapters().values() for name in chapter.named("figure")}
+    pictures = [BUILD / "figures" / f"{name}{ending}" for name in figures for ending in (".svg", ".moving.svg")]
+    parts = [*(BUILD / "chapters").glob("*.typ"), *(path for path in pictures if path.exists()), BUILD / "ledger.json"]
+    try:
+        seal.refuse_broken(parts)
+    except ValueError as fault:
+        inventory.stop(str(fault))
+
+
 def main() -> None:
     options = parse()
+    refuse_broken_parts()
     texts = fragments()
     faults = list(loose_ends(texts, works()))
     if faults:

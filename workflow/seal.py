@@ -25,6 +25,13 @@ def digest(path: Path) -> str:
         return hashlib.file_digest(file, "blake2b").hexdigest()
 
 
+def refuse_broken(paths: Iterable[Path]) -> None:
+    """ValueError, in one sentence that names them, if any of the files is not what its job made."""
+    if torn := broken(paths):
+        names = ", ".join(map(str, torn))
+        raise ValueError(f"{names}: torn or altered since it was made; start the build again, and it is made again")
+
+
 def put(paths: Iterable[Path]) -> None:
     from microfacet.files import write
 

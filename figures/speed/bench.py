@@ -25,8 +25,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import record
 import rivals
 import yardsticks
+from microfacet.datafile import put, refuse
 from microfacet.processors import threads
 
 ROUNDS = 15
@@ -135,13 +137,14 @@ def main() -> None:
     asked = ask.parse_args()
     if unknown := [name for name in asked.names if name not in rivals.QUANTITIES]:
         sys.exit(f"No benchmark {', '.join(unknown)}; there are {', '.join(rivals.QUANTITIES)}.")
+    refuse(asked.record)
+    record.read(asked.record)
     where = {"commit": commit(), "machine": machine()}  # before the first: afterwards the load would be our own
     print(f"load {where['machine']['load']:.1f} before", flush=True)
     for name in asked.names or rivals.QUANTITIES:
         begin, found = time.perf_counter(), quantity(name, where, asked.rounds, asked.largest)
-        kept = json.loads(asked.record.read_text("utf-8")) if asked.record.exists() else {}
-        asked.record.parent.mkdir(parents=True, exist_ok=True)
-        asked.record.write_text(json.dumps({**kept, name: found}, indent=1, sort_keys=True) + "\n", "utf-8")
+        kept = record.read(asked.record)
+        put(asked.record, json.dumps({**kept, name: found}, indent=1, sort_keys=True) + "\n")
         print(f"{name}: {len(found['rows'])} methods in {time.perf_counter() - begin:.0f} s", flush=True)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,9 +14,28 @@ from method import Method
 RECORD = Path("records/benchmarks.json")
 
 
-def read() -> dict[str, Any]:
-    """Every quantity measured so far, by name; nothing if there is no record."""
-    return dict(json.loads(RECORD.read_text("utf-8"))) if RECORD.exists() else {}
+def read(path: Path = RECORD) -> dict[str, Any]:
+    """Every quantity measured so far, by name; nothing if there is no record, and the end if it is torn or something else."""
+    if not path.exists():
+        return {}
+    try:
+        record = json.loads(path.read_text("utf-8"))
+        for kept in record.values():
+            look_through(kept)
+    except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError):
+        sys.exit(f"{path} is torn or no record of benchmarks: `git checkout {path}` brings it back.")
+    return dict(record)
+
+
+def look_through(kept: Mapping[str, Any]) -> None:
+    """An exception if a quantity's record lacks what is read of it."""
+    if not (
+        {"commit", "machine", "rounds", "rows"} <= kept.keys() and {"processor", "threads", "load"} <= kept["machine"].keys()
+    ):
+        raise ValueError("where and when it was timed is missing")
+    for row in kept["rows"].values():
+        if not ({"words", "fingerprint"} <= row.keys() and np.shape(row["seconds"]) == (len(row["sizes"]), 3)):
+            raise ValueError("times are missing")
 
 
 def rows(quantity: str) -> dict[str, dict[str, Any]]:

@@ -1,14 +1,26 @@
 """Commands: `python -m microfacet check KEY... --out FILE` checks statements; `list` names them, `trust` counts digits, and
-`choose --alpha 0.05:0.3 --tolerance 1e-3` finds the cheapest model that is enough."""
+`choose --alpha 0.05:0.3 --tolerance 1e-3` finds the cheapest model that is enough.
+
+Exit status: 0 for yes (no statement failed, a model is enough), 1 for no, 2 if the question cannot be answered, which one
+sentence then explains; as is customary, 130 after an interrupt and 141 where nobody reads on (`| head`).
+"""
 
 from __future__ import annotations
 
 import argparse
+import codecs
+import io
 import json
 import os
+import re
 import sys
+import unicodedata
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from microfacet import __version__
+from microfacet.files import keep, recall, writable, write
 
 if TYPE_CHECKING:
     from microfacet.statement import Equation
@@ -16,6 +28,7 @@ if TYPE_CHECKING:
 
 def parser() -> argparse.ArgumentParser:
     main = argparse.ArgumentParser(prog="microfacet", description="Microfacet models: check the statements of the report.")
+    main.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
     commands = main.add_subparsers(dest="command", required=True)
     check = commands.add_parser("check", help="check statements and print what was found")
     check.add_argument("keys", nargs="*", metavar="KEY", help="keys of statements; none means all")
@@ -59,23 +72,21 @@ def _add_choose(commands: Any) -> None:
 
 
 def _choose(asked: argparse.Namespace) -> int:
-    """Print the choice, its table, and where its chart is; one sentence if the scene is none."""
+    """Print the choice, its table, and where its chart is."""
+    from microfacet.enough.chart import refuse
     from microfacet.enough.choice import choose
 
-    try:
-        scene = {name: _range(name, getattr(asked, name)) for name in ("alpha", "theta", "ratio", "light")}
-        more = {name: getattr(asked, name) for name in ("normals", "bounces", "precision")} | {
-            "fresnel": _fresnel(asked.fresnel)
-        }
-        given = {name: value for name, value in (scene | more).items() if value is not None}
-        choice = choose(**given, tolerance=asked.tolerance, measure=asked.measure, costs="now" if asked.time else None)
-        print(f"{choice.told()}\n\n{choice.table()}")
-        if asked.chart:
-            choice.chart(asked.chart)
-            print(f"\nThe chart is in {asked.chart}.")
-    except ValueError as fault:
-        print(fault, file=sys.stderr)
-        return 2
+    if asked.chart is not None:
+        refuse(Path(asked.chart))
+
+    scene = {name: _range(name, getattr(asked, name)) for name in ("alpha", "theta", "ratio", "light")}
+    more = {name: getattr(asked, name) for name in ("normals", "bounces", "precision")}
+    given = {name: value for name, value in (scene | more | {"fresnel": _fresnel(asked.fresnel)}).items() if value is not None}
+    choice = choose(**given, tolerance=asked.tolerance, measure=asked.measure, costs="now" if asked.time else None)
+    print(f"{choice.told()}\n\n{choice.table()}")
+    if asked.chart is not None:
+        choice.chart(asked.chart)
+        print(f"\nThe chart is in {asked.chart}.")
     return 0 if choice.chosen else 1
 
 
@@ -103,54 +114,127 @@ def _fresnel(words: str | None) -> Any:
     return Dielectric(*numbers) if len(numbers) == 1 else Conductor(*numbers)
 
 
-def main(words: list[str] | None = None) -> int:
-    chosen = parser().parse_args(words)
-    if chosen.command == "choose":
-        return _choose(chosen)
-    return _statements(chosen)
+def main(words: Sequence[str] | None = None) -> int:
+    """Run a command; what a person can mend is said in one sentence on the error stream."""
+    _degrade(sys.stdout, sys.stderr)
+    try:
+        chosen = parser().parse_args(_joined(sys.argv[1:] if words is None else words))
+        status = _choose(chosen) if chosen.command == "choose" else _statements(chosen)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        _abandon(sys.stdout)
+        return 141
+    except KeyboardInterrupt:
+        return 130
+    except (ValueError, OSError) as fault:
+        _abandon(sys.stdout)
+        print(_sentence(fault), file=sys.stderr)
+        return 2
+    return status
+
+
+def _sentence(fault: Exception) -> str:
+    if isinstance(fault, OSError) and fault.errno is not None:
+        return f"{fault.filename or 'The output'} cannot be read or written: {fault.strerror}"
+    return str(fault)
+
+
+def _abandon(stream: Any) -> None:
+    """Write what can still be written; what cannot must not be tried again at exit."""
+    try:
+        stream.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+def _joined(words: Sequence[str]) -> list[str]:
+    """`--theta -5:10` as `--theta=-5:10`: argparse takes what begins with a dash and is no plain number for an option."""
+    joined: list[str] = []
+    for word in words:
+        if re.match(r"-[\d.]", word) and joined and re.fullmatch(r"--\w+", joined[-1]):
+            joined[-1] += f"={word}"
+        else:
+            joined.append(word)
+    return joined
+
+
+SPELLED = {"±": "+-", "→": "->", "×": "x", "≤": "<=", "≥": ">=", "✓": "yes", "✗": "no", "·": "*", "°": " degrees", "–": "-"}
+
+
+def _degrade(*streams: Any) -> None:
+    """Let a terminal that knows fewer characters show others in their place."""
+    codecs.register_error("spelled", _spelled)
+    for stream in streams:
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="spelled")
+
+
+def _spelled(error: UnicodeError) -> tuple[str, int]:
+    """What stands for characters that an encoding lacks: a sign in ASCII, a letter's name, or its number."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    return "".join(map(_in_ascii, error.object[error.start : error.end])), error.end
+
+
+def _in_ascii(character: str) -> str:
+    name = unicodedata.name(character, "").removeprefix("GREEK SMALL LETTER ").removeprefix("GREEK CAPITAL LETTER ")
+    letter = name.lower() if name.isalpha() else f"\\u{ord(character):04x}"
+    plain = unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode()
+    return SPELLED.get(character) or plain or letter
 
 
 def _statements(chosen: argparse.Namespace) -> int:
+    if chosen.command == "check":
+        return _check(chosen)
     from microfacet.statement import equations
 
     if chosen.command == "trust":
         from microfacet.validation.trust import table
 
         print(table())
-        return 0
-    if chosen.command == "list":
+    else:
         print("\n".join(f"{key:40} {equations[key].title}" for key in equations))
-        return 0
+    return 0
+
+
+def _check(chosen: argparse.Namespace) -> int:
+    """Check, and print what was found or write it; what could not be written is refused before the work."""
+    if chosen.out is not None:
+        writable(chosen.out)
+    if chosen.kept is not None:
+        writable(Path(chosen.kept) / "kept.json")
+    from microfacet.statement import equations
+
     try:
-        found = [_record(equations[key], chosen.kept) for key in chosen.keys or equations]
+        asked = [equations[key] for key in chosen.keys or equations]
     except KeyError as unknown:
-        print(unknown.args[0], file=sys.stderr)
-        return 2
-    if chosen.out:
-        _write(Path(chosen.out), found)
-        return 0
-    return _print(found)
+        raise ValueError(unknown.args[0]) from None
+    _warn_of_what_is_left_out(asked)
+    found = [_record(equation, chosen.kept) for equation in asked]
+    if chosen.out is None:
+        return _print(found)
+    write(chosen.out, json.dumps({record["key"]: record for record in found}, indent=1) + "\n")
+    return 0
+
+
+def _warn_of_what_is_left_out(asked: Sequence[Equation]) -> None:
+    from microfacet.balls import available
+
+    count = sum(bool(equation.enclosed) for equation in asked)
+    if count and not available():
+        print(f"python-flint is not installed: what {count} statements enclose was not checked.", file=sys.stderr)
 
 
 def _record(equation: Equation, kept: str | None) -> dict[str, Any]:
-    """What the checks find; a kept record of the very same statement says it already."""
+    """What the checks find; a kept record of the very same statement says it already, unless it was altered."""
     if kept is None:
         return equation.check().as_json()
     path = Path(kept) / f"{equation.key}-{equation.fingerprint}.json"
-    try:
-        return dict(json.loads(path.read_text())[equation.key])
-    except (OSError, ValueError, KeyError):
-        found = equation.check().as_json()
-        _write(path, [found])
-        return found
-
-
-def _write(path: Path, records: list[dict[str, Any]]) -> None:
-    """Records by key; the file is complete or not there."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    scratch = path.with_suffix(f".{os.getpid()}.tmp")
-    scratch.write_text(json.dumps({record["key"]: record for record in records}, indent=1) + "\n")
-    os.replace(scratch, path)
+    record = recall(path)
+    if record is None or record["key"] != equation.key:
+        record = equation.check().as_json()
+        keep(path, record)
+    return dict(record)
 
 
 def _print(records: list[dict[str, Any]]) -> int:

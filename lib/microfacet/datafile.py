@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from microfacet.files import write
+from microfacet.files import writable, write
 
 TORN = (OSError, EOFError, ValueError, KeyError, AttributeError, RuntimeError, zlib.error, zipfile.BadZipFile)
 SEAL = "seal"  # the name under which a file keeps a digest of all else in it
@@ -32,7 +32,23 @@ def store(path: str, **arrays: ArrayLike) -> None:
     given = {name: np.asarray(values) for name, values in arrays.items()}
     file = io.BytesIO()
     np.savez(file, allow_pickle=False, **given, **{SEAL: np.array(seal(given))})
-    write(path, file.getvalue())
+    put(path, file.getvalue())
+
+
+def put(path: str | Path, content: bytes | str) -> None:
+    """Write a file, whole or not at all; where none can be, one sentence ends the program."""
+    try:
+        write(path, content)
+    except (ValueError, OSError) as fault:
+        sys.exit(str(fault))
+
+
+def refuse(path: str | Path) -> None:
+    """End the program with one sentence, before its work, if ``put`` would afterwards."""
+    try:
+        writable(path)
+    except ValueError as fault:
+        sys.exit(str(fault))
 
 
 def load(path: str, made_in: str = "build/data") -> dict[str, NDArray[Any]]:

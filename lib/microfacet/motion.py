@@ -10,12 +10,12 @@ import io
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
 from numpy.typing import ArrayLike
 
+from microfacet.datafile import put
 from microfacet.plotting import Array, Axes, Figure
 
 PERIOD = 10.0
@@ -74,9 +74,7 @@ def save(motion: Motion, outputs: Iterable[str]) -> None:
     """Write the moving drawing to every path in `outputs`, the same bytes each time."""
     text = svg(motion)
     for output in outputs:
-        path = Path(output)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, "utf-8")
+        put(output, text)
     plt.close(motion.figure)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import combinations
 from pathlib import Path
@@ -19,7 +20,7 @@ from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 from numpy.typing import ArrayLike, NDArray
 
-from microfacet.datafile import load
+from microfacet.datafile import load, put
 
 __all__ = [
     "COLOURS",
@@ -87,8 +88,9 @@ def save(figure: Figure, outputs: Iterable[str]) -> None:
         path = Path(output)
         if path.suffix[1:] not in _METADATA:
             raise SystemExit(f"A figure is written as .svg, .pdf or .png, not as {path.name}.")
-        path.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(path, metadata=_METADATA[path.suffix[1:]])
+        drawn, form = io.BytesIO(), path.suffix[1:]
+        figure.savefig(drawn, format=form, metadata=_METADATA[form])
+        put(path, drawn.getvalue())
     plt.close(figure)
 
 

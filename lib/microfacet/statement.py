@@ -353,7 +353,7 @@ equations = Equations()
 def _checker() -> str:
     """The text of what carries out the checks, and the versions of what it relies on."""
     folder = Path(__file__).parent
-    texts = [(folder / f"{name}.py").read_text() for name in ("statement", "checks", "balls", "kernels", "notation")]
+    texts = [(folder / f"{name}.py").read_text("utf-8") for name in ("statement", "checks", "balls", "kernels", "notation")]
     return "\n".join([*texts, sys.version, *map(_version, ("numpy", "numba", "sympy", "mpmath", "python-flint"))])
 
 

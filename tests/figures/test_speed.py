@@ -207,3 +207,30 @@ def test_rays_without_embree_are_charted_as_not_measured(tmp_path: Path, monkeyp
     assert np.isnan(found["embree_times"]).all()
     assert np.isnan(found["embree_reflected"]).all()
     assert found["embree_said"] == "not measured"
+
+
+def torn_records() -> list[bytes]:
+    whole = Path("records/benchmarks.json").read_bytes()
+    changed = [
+        whole.replace(name, b"x", 1) for name in (b"commit", b"machine", b"load", b"rows", b"sizes", b"words", b"rounds")
+    ]
+    return [
+        b"",
+        b"[]",
+        b"3",
+        b"null",
+        b"\xff",
+        b'{"brdf": 3}',
+        b'{"brdf": {}}',
+        whole[:-100],
+        whole[: len(whole) // 2],
+        *changed,
+    ]
+
+
+@pytest.mark.parametrize("content", torn_records(), ids=lambda content: str(content[-8:]))
+def test_a_torn_record_is_one_sentence(content: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "benchmarks.json"
+    path.write_bytes(content)
+    with pytest.raises(SystemExit, match=r"benchmarks\.json is torn or no record of benchmarks: `git checkout"):
+        record.read(path)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import cells
 import chapter
+import fences
 import inventory
 import pytest
 import report
@@ -59,12 +60,58 @@ def test_a_broken_cell_is_one_sentence(small: Checkout, code: str, inline: str, 
         ("Text {eq}`x` text", "the role {eq}`x`"),
         ("Text {{1 + 1}}\nand {{f'{1 + 1}'}}", "3_test.md, line 4: an inline value with braces"),
         ("```{code-cell}\na\nb\nc\nd\ne\n```\n", "a cell of 5 lines"),
+        ("~~~{code-cell}\na\n~~~\n", "3_test.md, line 3: a cell is fenced by ```, not by ~~~"),
+        ("````{code-cell}\na\n````\n", "3_test.md, line 3: a cell is fenced by ```, not by ````"),
     ],
 )
 def test_what_the_build_would_lose_is_named(small: Checkout, text: str, fault: str) -> None:
     path = Path("chapters/3_test.md")
     path.write_text(f"# Title\n\n{text}")
     assert [fault in line for line in chapter.complaints(path)] == [True]
+
+
+FENCES = {
+    "```": "```python\nx = 1\n",
+    "~~~": "~~~\nx = 1\n",
+    "````": "````\n```\nx\n```\n",
+    ":::": "::: {.note}\nText\n",
+    "::::": ":::: note\n::: {.inner}\nText\n:::\n",
+    "$$": "$$ x = 1\n",
+}
+BEFORE = {"nothing": "", "a closed one": "```\nx\n```\n\n$$ x $$\n\n", "a cell": "```{code-cell}\nx = 1\n```\n\n"}
+
+
+@pytest.mark.parametrize("indent", ["", "  ", "- a\n\n    "])
+@pytest.mark.parametrize("fence", [*FENCES, "```{code-cell}"])
+@pytest.mark.parametrize("before", BEFORE)
+def test_what_is_opened_and_never_closed_stops_with_its_line(small: Checkout, before: str, fence: str, indent: str) -> None:
+    opened = FENCES.get(fence, "```{code-cell}\nx = 1\n").replace("\n", "\n" + indent.rpartition("\n")[2])
+    path, sign = Path("chapters/3_test.md"), fence.removesuffix("{code-cell}")
+    start = f"# Title\n\n{BEFORE[before]}{indent}"
+    path.write_text(f"{start}{opened}and the rest of the chapter.\n")
+    line = start.count("\n") + 1
+    name = "the fence $$" if sign == "$$" else f"the fence {sign}"
+    assert f"{path}, line {line}: {name} is never closed." in chapter.complaints(path)
+    with pytest.raises(SystemExit, match=f"line {line}: "):
+        chapter.main(path, Path("build/3_test.md"), Path("build/3_test.typ"))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "```\n~~~\n```\n",
+        "~~~\n```\n~~~~\n",
+        "````\n```\n````\n",
+        "`$$` and ``` ``x`` ``` and \\$$ 5\n",
+        "$$ x $$ and $$\ny\n$$\n",
+        "::: {.a}\n:::: b\n::::\n:::\n",
+        "- item\n\n    ```\n    x\n    ```\n",
+        "> ```\n> x\n> ```\n",
+        "---\ntitle: x\n---\nText\n\n---\n",
+    ],
+)
+def test_what_is_closed_is_no_fault(text: str) -> None:
+    assert list(fences.unclosed(text)) == []
 
 
 def test_pandoc_attributes_are_no_directives(small: Checkout) -> None:

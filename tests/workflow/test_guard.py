@@ -5,6 +5,8 @@ from __future__ import annotations
 import base64
 import fcntl
 import os
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -287,6 +289,35 @@ def test_a_source_that_is_gone_or_broken_takes_the_report_away(
     assert not built.path("build/report.pdf").exists()
     assert not built.path("build/report.html").exists()
     assert built.snakemake().returncode == 0
+
+
+@pytest.mark.slow
+def test_a_job_that_is_killed_is_named_at_the_end(built: Checkout) -> None:
+    script = "figures/visibility/plain.py"
+    kept = built.path(script).read_text()
+    built.path(script).write_text(f"{kept}\nimport os\nos.kill(os.getpid(), 9)\n")
+    done = built.snakemake()
+    built.path(script).write_text(kept)
+    assert done.returncode != 0
+    assert "build/logs/figure/plain.log: the job was killed (SIGKILL); start the build again" in done.stdout[-600:]
+    assert not built.path("build/report.pdf").exists()
+    assert built.snakemake().returncode == 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["build/chapters/1_visibility.typ", "build/figures/masking.svg", "build/ledger.json"])
+def test_what_is_torn_while_the_report_is_set_is_named_itself(built: Checkout, name: str) -> None:
+    whole = built.path(name).read_bytes()
+    tear(built.path(name))
+    words = ["build/other.pdf", "--version=1", "--commit=a", "--tree=clean"]
+    done = subprocess.run(
+        [sys.executable, "workflow/report.py", *words], cwd=built.root, capture_output=True, text=True, check=False,
+        env=os.environ | {"PYTHONPATH": "lib"},
+    )  # fmt: skip
+    built.path(name).write_bytes(whole)
+    assert done.returncode == 1
+    sentence = f"{name}: torn or altered since it was made; start the build again, and it is made again"
+    assert done.stderr.strip() == sentence
 
 
 @pytest.mark.slow

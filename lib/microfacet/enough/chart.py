@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -9,6 +10,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from microfacet.files import writable, write
 
 Dots = Mapping[str, NDArray[Any]]  # as `Choice.data` has them
 COLOURS = {"within": "#009E73", "beyond": "#8F3B76", "open": "#E69F00"}
@@ -21,22 +24,29 @@ MARKS = {
 }
 
 
-def save(dots: Dots, path: Path) -> None:
-    """Write the chart; ValueError, in one sentence, if matplotlib is missing, the ending unknown, or no cost known."""
+def refuse(path: Path) -> None:
+    """ValueError, in one sentence, if no chart can be put there: an unknown ending, no plain file, no matplotlib."""
     if path.suffix not in (".svg", ".pdf", ".png"):
         raise ValueError(f"chart must end in .svg, .pdf or .png, got {path.name!r}")
-    if not np.isfinite(dots["cost"]).any():
-        raise ValueError("chart needs the candidates' costs, and none is known")
+    writable(path)
     try:
-        from matplotlib.figure import Figure
+        import matplotlib.figure  # noqa: F401
     except ImportError:
         raise ValueError("chart needs matplotlib, which is not installed") from None
+
+
+def save(dots: Dots, path: Path) -> None:
+    """Write the chart; ValueError, in one sentence, where `refuse` raises one, or if no cost is known."""
+    refuse(path)
+    if not np.isfinite(dots["cost"]).any():
+        raise ValueError("chart needs the candidates' costs, and none is known")
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=(6.0, 3.6), layout="constrained")
     draw(figure.subplots(), dots)
-    try:
-        figure.savefig(path)
-    except OSError as fault:
-        raise ValueError(f"chart cannot be written to {path}: {fault.strerror}") from None
+    drawn = io.BytesIO()
+    figure.savefig(drawn, format=path.suffix[1:])
+    write(path, drawn.getvalue())
 
 
 def front(cost: NDArray[Any], error: NDArray[Any]) -> NDArray[np.bool_]:

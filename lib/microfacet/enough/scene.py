@@ -79,6 +79,8 @@ class Scene:
             one_of(name, getattr(self, name), known)
         if not (self.fresnel is None or isinstance(self.fresnel, Fresnel)):
             raise ValueError(f"fresnel must be None, Dielectric or Conductor, got {self.fresnel!r}")
+        if not self.material.F(1.0) > 0:
+            raise ValueError(f"fresnel must reflect light, which an index of 1 does not, got {material_words(self.material)}")
 
     @cached_property
     def material(self) -> Fresnel:

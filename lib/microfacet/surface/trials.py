@@ -13,7 +13,6 @@ import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict
 from functools import cache, partial
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,6 +20,7 @@ from scipy.special import ndtr, stdtr
 
 from microfacet.brdf.specular import Microfacet
 from microfacet.checks import Mark
+from microfacet.datafile import put, refuse
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.blinn_phong import NormalizedBlinnPhong
@@ -211,8 +211,9 @@ def marks() -> Iterator[tuple[str, Mark]]:
 
 
 def main(out: str) -> None:
+    refuse(out)
     found: dict[str, Any] = {key: asdict(mark) for key, mark in marks()}
-    Path(out).write_text(json.dumps(found, indent=1) + "\n")
+    put(out, json.dumps(found, indent=1) + "\n")
 
 
 if __name__ == "__main__":
