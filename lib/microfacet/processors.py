@@ -144,7 +144,7 @@ class _Strips:
         with self.lock:
             self.good &= good
             strip.done, strip.seconds = strip.done + stop - start, strip.seconds + took
-            strip.pace = max(took / (stop - start), strip.pace / GROWTH, self.pace.least)
+            strip.pace = max(took / (stop - start), strip.seconds / strip.done, strip.pace / GROWTH, self.pace.least)
         return True
 
     def _size(self) -> int:
