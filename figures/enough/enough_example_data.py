@@ -5,6 +5,7 @@ from pathlib import Path
 
 import microfacet as mf
 import numpy as np
+from microfacet.confidence import ODDS
 from microfacet.datafile import rounded, store
 from microfacet.enough import cost
 from microfacet.enough.candidates import MASKINGS
@@ -31,6 +32,7 @@ def compute() -> dict:
     data["choices"] = [one.chosen.candidate.words if one.chosen else "none" for one in made.values()]
     data["errors"] = [(one.chosen or one.rows[-1]).measured.error for one in made.values()]
     data["beyond"] = [one.beyond for one in made.values()]
+    data["odds"] = ODDS
     return rounded({name: np.asarray(values) for name, values in data.items()}, digits=4)
 
 

@@ -3,8 +3,8 @@ r"""Making up for later bounces returns the light, but not to where it goes, nor
 Above, light in the wrong place, over the angle of the view: half the sum of the differences between the light that Gaussian
 surfaces of perfect mirrors send into each direction after all bounces and what a model sends there, as a share of what
 arrives. What noise alone would give is grey. Below, for GGX with Schlick's reflectance, what is reflected of light from
-everywhere, less what random walks in Smith's model reflect; one bounce soon leaves the picture. Bars are two standard
-errors to either side.
+everywhere, less what random walks in Smith's model reflect; one bounce soon leaves the picture. Bars above are two standard
+errors to either side; below, what walks may be off at most.
 """
 
 import sys
@@ -32,7 +32,7 @@ def draw(data: dict) -> plotting.Figure:
             above.errorbar(data["theta_o"], value, 2 * error, **look, **paint)
             if m < 3:
                 off = 100 * (data["metal"][k, :, m] - data["metal"][k, :, 3])
-                below.errorbar(data["F0"], off, 200 * data["metal"][k, :, 4], **look, **paint)
+                below.errorbar(data["F0"], off, 100 * data["metal"][k, :, 4], **look, **paint)
         above.set_title(rf"$\alpha = {data['alpha'][k]:.1f}$")
         above.set(xlim=(-3, 83), xticks=[0, 20, 40, 60, 80], xlabel=r"$\theta_o$ (degrees)")
         below.set_title(rf"GGX, $\alpha = {data['metal_alpha'][k]:g}$")

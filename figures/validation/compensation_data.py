@@ -58,7 +58,7 @@ def reflected(alpha: float, f0: float) -> np.ndarray:
     once = Microfacet(Smith(GGX(alpha)), Schlick(f0))
     walk = RandomWalk(Smith(GGX(alpha)), Schlick(f0)).albedo(wo, EACH)
     forms = [share @ Compensated(once, form).albedo(wo) for form in FORMS]
-    return np.array([share @ once.albedo(wo), *forms, share @ walk.value, np.sqrt(share**2 @ walk.error**2)])
+    return np.array([share @ once.albedo(wo), *forms, share @ walk.value, share @ walk.error])
 
 
 def compute() -> dict:

@@ -11,7 +11,20 @@ from typing import Any
 import microfacet as mf
 import numpy as np
 import pytest
-from microfacet.brdf.random_walk import FACETS, LONGEST, Bounces, drawn, gaussian_excess, gaussian_seen, stream
+from microfacet.brdf.random_walk import (
+    FACETS,
+    GOLDEN,
+    LONGEST,
+    STRIDE,
+    TRIES,
+    WORD,
+    Bounces,
+    _mixed,
+    drawn,
+    gaussian_excess,
+    gaussian_seen,
+    stream,
+)
 from microfacet.directions import spherical
 from microfacet.kernels import Batch
 from microfacet.material.fresnel import Fresnel
@@ -101,6 +114,153 @@ def _around(axis: np.ndarray, height: np.ndarray, turn: np.ndarray) -> np.ndarra
     return np.asarray(height[:, None] * axis + across)
 
 
+# --- the second bounce, by quadrature -----------------------------------------------------------------------------------
+
+
+def Lambda(alpha: float, z: np.ndarray) -> np.ndarray:
+    """Of GGX, for cosines: of a direction or its opposite."""
+    return np.asarray((np.sqrt(1 + alpha**2 * (1 - z**2) / z**2) - 1) / 2)
+
+
+def D(alpha: float, z: np.ndarray) -> np.ndarray:
+    return np.asarray((z > 0) * alpha**2 / np.pi / ((alpha**2 - 1) * z**2 + 1) ** 2)
+
+
+def mirrored(alpha: float, came: np.ndarray, goes: np.ndarray) -> np.ndarray:
+    """Density of directions after a reflection, for rays (n, 1, 3) from above or below; heitz2016, eq. 25."""
+    half = goes - came
+    area = np.abs(came[..., 2]) * (Lambda(alpha, came[..., 2]) + (came[..., 2] < 0))
+    return D(alpha, half[..., 2] / np.linalg.norm(half, axis=-1)) / (4 * area)
+
+
+def sphere(cosines: int, turns: int, low: float, high: float) -> tuple[np.ndarray, np.ndarray]:
+    t, w = np.polynomial.legendre.leggauss(cosines)
+    cosine, turn = (low + high) / 2 + (high - low) / 2 * t, 2 * np.pi * (np.arange(turns) + 0.5) / turns
+    w = (w * (high - low) / 2)[:, None] * np.full(turns, 2 * np.pi / turns)
+    return spherical(np.arccos(cosine)[:, None], turn).reshape(-1, 3), w.ravel()
+
+
+def leaves_second(alpha: float, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
+    """What leaves after just two bounces, per solid angle: over all directions between, and over both heights.
+
+    The integrals over heights are those of the chances to get from the top to u, from there to u', and from there out.
+    """
+    total = np.zeros(len(wi))
+    seen, lit = Lambda(alpha, wo[2]), Lambda(alpha, wi[:, 2])
+    for low, high in ((-1, 0), (0, 1)):
+        between, weight = sphere(60, 90, low, high)
+        hidden = Lambda(alpha, between[:, 2])[:, None]
+        heights = hidden / (1 + seen + hidden) if low == 0 else (1 + hidden) / (1 + hidden + lit)
+        first = mirrored(alpha, -wo, between)
+        total += np.sum(
+            (weight * first)[:, None] * heights * (1 + seen) / (1 + seen + lit) * mirrored(alpha, between[:, None], wi), axis=0
+        )
+    return total
+
+
+def test_heights_of_two_facets_have_the_integrals_used_here() -> None:
+    seen, hidden, lit = 0.3, 0.8, 0.5
+    up = integrate.dblquad(
+        lambda v, u: (1 + seen) * u**seen * hidden * u**hidden / v ** (hidden + 1) * v**lit, 0, 1, lambda u: u, lambda u: 1
+    )[0]
+    assert up == pytest.approx(hidden / (1 + seen + hidden) * (1 + seen) / (1 + seen + lit), rel=1e-6)
+    down = integrate.dblquad(
+        lambda v, u: (1 + seen) * u**seen * (1 + hidden) * v**hidden / u ** (1 + hidden) * v**lit, 0, 1, 0, lambda u: u
+    )[0]
+    assert down == pytest.approx((1 + hidden) / (1 + hidden + lit) * (1 + seen) / (1 + seen + lit), rel=1e-6)
+
+
+@pytest.mark.parametrize(("alpha", "degrees"), [(0.7, 0), (0.7, 45), (1.0, 70)])
+def test_the_second_bounce_is_its_integral(alpha: float, degrees: float) -> None:
+    """Of Smith's two bounces, in eight parts of the hemisphere, against where walks end."""
+    wo, walk = spherical(np.radians(degrees)), mf.RandomWalk(mf.Smith(mf.GGX(alpha)))
+    found, _, bounces = walk.sample(wo, uniform(1 << 18, 12))
+    found, total = found[bounces == 2], 0.0
+    for low, high in ((0, 0.25), (0.25, 0.5), (0.5, 0.75), (0.75, 1)):
+        wi, weight = sphere(6, 16, low, high)
+        expected = weight * leaves_second(alpha, wo, wi)
+        total += expected.sum()
+        for side in (-1, 1):
+            mean = expected[wi[:, 0] * side > 0].sum()
+            share = ((found[:, 2] > low) & (found[:, 2] <= high) & (found[:, 0] * side > 0)).sum() / (1 << 18)
+            assert share == pytest.approx(mean, abs=SIGMAS * np.sqrt(mean / (1 << 18)) + 2e-3 * mean)
+    assert len(found) / (1 << 18) == pytest.approx(total, abs=SIGMAS * np.sqrt(total / (1 << 18)) + 1e-3 * total)
+
+
+# --- values and their errors ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("ndf", [mf.GGX(0.005), mf.GGX(0.05), mf.GGX(0.5, 0.05), mf.Beckmann(0.5)], ids=repr)
+@pytest.mark.parametrize("fresnel", [None, mf.Conductor(0.2, 3.9)], ids=["mirror", "metal"])
+def test_values_are_off_by_no_more_than_they_say(ndf: Any, fresnel: Any) -> None:
+    """Few walks against many, also in directions that few walks find; never is nothing found where there is something."""
+    walk = mf.RandomWalk(mf.Smith(ndf), fresnel)
+    wo, wi = views(5, 50, 80)[:, None], views(0, 30, 60, azimuth=130)
+    once = walk.single.evaluate(wo, wi)
+    truth = walk.connections(wo, wi, 1 << 16, 1)[1]
+    within = []
+    for seed in range(8):
+        value, error = walk.evaluate(wo, wi, 256, 10 + seed)
+        within.append(abs(value - once - truth.value) <= error + SIGMAS * truth.error + 1e-14 * once)
+        assert (error > 0).all()
+    assert np.mean(within) >= 0.98
+    many = walk.evaluate(wo, wi, 1 << 14, 3)
+    assert np.median(many.error / error) < 0.3
+
+
+def test_hardly_any_plain_walk_finds_what_is_found() -> None:
+    """Of a smooth surface one walk in 40 000 goes on; of a few hundred, each counts."""
+    walk = mf.RandomWalk(mf.Smith(mf.GGX(0.005)))
+    first, second = (walk.connections(UP, spherical(np.radians(10)), 1 << 14, seed)[1] for seed in (1, 2))
+    assert abs(first.value - second.value) < SIGMAS * np.hypot(first.error, second.error)
+    assert first.value > 0
+
+
+def test_the_error_of_a_value_holds_its_largest_part() -> None:
+    """Of two walks one sends nearly all: the scatter is as large, and 38 times its half is added."""
+    walk = WALKS[0]
+    wo, wi = VIEWS[2], spherical(0.3)
+    found = walk._connected(wo, wi, 2, 5)
+    scatter = walk.connections(wo, wi, 2, 5)[1].error
+    value, error = walk.evaluate(wo, wi, 2, 5)
+    assert found[4] >= found[1]
+    assert error == pytest.approx(np.sqrt(2 * np.log(3e5)) * scatter + 3 * np.log(3e5) * found[4] / 2)
+    assert value == pytest.approx(walk.single.evaluate(wo, wi) + found[1])
+
+
+def test_single_precision_has_values_and_errors_of_its_own() -> None:
+    wo, wi = VIEWS[2].astype(np.float32), spherical(0.3).astype(np.float32)
+    value, error = WALKS[0].evaluate(wo, wi, 64)
+    assert (value.dtype, error.dtype) == (np.float32, np.float32)
+
+
+@pytest.mark.parametrize("ndf", [mf.GGX(1e3), mf.GGX(1e-8), mf.Beckmann(1e3), mf.GGX(1.0, 1e-4)], ids=repr)
+def test_walks_leave_upwards_from_the_edges_of_the_domain(ndf: Any) -> None:
+    """No ray on its way down leaves, however steep; and directions stay unit vectors."""
+    low = np.array([np.sqrt(1 - 1e-16), 0, 1e-8])
+    wo = np.array([[0, 0, 1], low, [1e-8, 0, 1]])[:, None]
+    wi, weight, bounces = mf.RandomWalk(mf.Smith(ndf)).sample(wo, uniform(500, 3))
+    out = weight > 0
+    np.testing.assert_allclose(np.linalg.norm(wi[out], axis=-1), 1, atol=1e-9)
+    assert (wi[out][:, 2] > 0).all()
+    np.testing.assert_array_equal(wi[~out], 0)
+    assert (bounces[~out] == LONGEST).all()
+    assert (bounces[out] >= 1).all()
+
+
+def test_what_a_walk_weighs_is_a_product_over_its_bounces() -> None:
+    _, weight, bounces = mf.RandomWalk(mf.Smith(NDFS[0]), Grey()).sample(VIEWS[2], uniform(4000, 3))
+    np.testing.assert_array_equal(weight, 0.5**bounces)
+    assert bounces.max() > 4
+
+
+def test_later_bounces_of_grey_facets_are_halved_once_each() -> None:
+    """By order: of walks that leave after two bounces a quarter is left."""
+    found = mf.RandomWalk(mf.Smith(NDFS[0]), Grey()).later(VIEWS[2], 4000, 3)
+    np.testing.assert_array_equal(found.weight, 0.5**found.bounces)
+    assert found.bounces.min() == 2
+
+
 # --- facets ---------------------------------------------------------------------------------------------------------------
 
 
@@ -158,6 +318,16 @@ def test_random_numbers_are_the_same_compiled() -> None:
     u = uniform(50, 2)
     expected = [number(float(a), float(b), ()) for a, b in u]
     np.testing.assert_array_equal(Batch(number, [1, 1], 2)([*u.T]), expected)
+
+
+def test_random_numbers_are_those_of_splitmix64() -> None:
+    """The first numbers of seed 1234567, as its authors' program and others print them."""
+    told = [6457827717110365317, 3203168211198807973, 9817491932198370423, 4593380528125082431, 16408922859458223821]
+    assert [_mixed((1234567 + GOLDEN * (k + 1)) & WORD) for k in range(5)] == told
+    assert drawn(1234567, 0) == ((told[0] >> 12) + 0.5) / 2**52
+    names = {stream(u1, u2, k) for u1 in (0.0, 0.25) for u2 in (0.0, 0.25) for k in (0, 1)}
+    assert len(names) == 8
+    assert 3 + 3 * TRIES <= STRIDE  # no number is used for two things
 
 
 def test_random_numbers_are_even_and_streams_apart() -> None:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import microfacet as mf
 import numpy as np
 import pytest
+from microfacet.brdf.compensation import Compensated
 from microfacet.directions import spherical
+from microfacet.surface import compare
 from microfacet.surface.compare import (
     apart,
     coarse,
@@ -132,3 +134,131 @@ def test_a_contest_names_the_nearer_one_or_nobody() -> None:
     assert [row[5] for row in rows] == ["A", "–"]
     assert [row[8] for row in rows] == ["B", "–"]
     assert rows[0][2:5] == ["0.8000 ± 0.0010", "+0.0010", "-0.0100"]
+
+
+# --- bins -------------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("k", range(3))
+def test_bins_hold_what_samples_leave_in_them(k: int) -> None:
+    """A binned lobe and binned normals against drawn ones, in larger bins; azimuth counts from the view's."""
+    wo, model = VIEWS[k], mf.Smith(NDFS[1])
+    brdf, count = mf.Microfacet(model), 1 << 18
+    u = np.random.default_rng(k).random((count, 2))
+    wi = brdf.sample(wo, u)
+    up = wi[:, 2] > 0
+    weight = np.zeros(count)
+    weight[up] = brdf.evaluate(wo, wi[up]) * wi[up, 2] / brdf.pdf(wo, wi[up])
+    theta, phi = np.arccos(np.clip(wi[:, 2], -1, 1)), np.arctan2(wi[:, 1], wi[:, 0]) - np.arctan2(wo[1], wo[0])
+    phi = (phi + np.pi) % (2 * np.pi) - np.pi
+    found = coarse(np.histogram2d(theta, phi, PLAN.lobe_edges, weights=weight)[0], 5, 6) / count
+    expected = coarse(lobe_of(model, wo, PLAN), 5, 6)
+    assert (abs(found - expected) < 5 * np.sqrt(expected / count) + 2e-4).all()
+    wm = model.sample_visible(wo, u)
+    slopes = -wm[:, :2] / wm[:, 2:] / NDFS[1].scale
+    drawn = coarse(np.histogram2d(*slopes.T, [PLAN.slope_edges] * 2)[0], 8, 8) / count
+    seen = coarse(normals_of(model, wo, PLAN), 8, 8)
+    assert (abs(drawn - seen) < 5 * np.sqrt(seen / count) + 2e-4).all()
+
+
+def test_walks_fall_into_bins_after_all_their_bounces() -> None:
+    """All light of mirrors, the first bounce as the BRDF has it; azimuth counts from the view's."""
+    walk, wo = mf.RandomWalk(mf.Smith(mf.Beckmann(1.0))), VIEWS[1]
+    whole = compare.walked(walk, wo, PLAN, 1 << 17, 3)
+    once = compare.binned(walk.single, wo, PLAN)
+    assert whole.sum() == pytest.approx(1, abs=5e-3)
+    assert (whole >= once).all()
+    turned = spherical(np.radians(50), 0.0)
+    other = compare.walked(walk, turned, PLAN, 1 << 17, 4)
+    later, as_turned = (coarse(a - once, 10, 9) for a in (whole, other))
+    assert (abs(later - as_turned) < 6 * np.sqrt((later + as_turned) / (1 << 17)) + 3e-4).all()
+    assert (whole != compare.walked(walk, wo, PLAN, 1 << 17, 5)).any()
+
+
+def test_a_binned_compensated_lobe_has_all_the_light() -> None:
+    made = Compensated(mf.Microfacet(mf.Smith(mf.Beckmann(0.7))), "lobe")
+    for wo in VIEWS[:2]:
+        assert compare.binned(made, wo, PLAN).sum() == pytest.approx(1, abs=2e-3)
+
+
+def test_all_physical_models_are_compared() -> None:
+    found = compare.models(NDFS[0])
+    assert list(found) == ["V-cavities", *(f"Smith, {form}" for form in compare.JOINT)]
+    assert all(model.ndf is NDFS[0] for model in found.values())
+    assert {model.correlation for name, model in found.items() if name != "V-cavities"} == set(compare.JOINT)
+
+
+def test_the_lit_share_is_a_mean_over_the_facets_turned_to_both() -> None:
+    """Against drawn visible normals, of those that face the light."""
+    model, wo, wi = mf.VCavity(mf.Beckmann(0.8, 0.4)), VIEWS[2], spherical(1.3, 1.0)
+    wm = mf.Smith(model.ndf).sample_visible(wo, np.random.default_rng(3).random((1 << 18, 2)))
+    # drawn as Smith sees them; G1 of V-cavities weighs them again
+    facing = (wm @ wi > 0) & (wm @ wo > 0)
+    both, seen = model.G2(wo, wi, wm[facing]), model.G1(wo, wm[facing])
+    assert lit_of(model, wo, wi) == pytest.approx(both.sum() / seen.sum(), rel=5e-3)
+    assert lit_of(model, wo, wi, reach=2.0) != pytest.approx(lit_of(model, wo, wi), rel=1e-4)
+
+
+# --- distances --------------------------------------------------------------------------------------------------------------
+
+
+def test_misplaced_light_counts_what_is_missing() -> None:
+    measured = np.array([[[0.5, 0.3], [0.1, 0.1]], [[0.3, 0.3], [0.1, 0.1]]])
+    model = np.array([[0.2, 0.3], [0.3, 0.1]])
+    found = compare.misplaced(measured, model)
+    assert found.value == pytest.approx(0.5 * (0.2 + 0.2))
+    assert found.error == pytest.approx(0.5 * 0.1)  # the first bin's, 0.1, halved
+    assert compare.misplaced(measured, measured.mean(axis=0)).value == pytest.approx(0)
+    assert compare.misplaced(measured, 0 * model).value == pytest.approx(0.5 * measured.mean(axis=0).sum())
+
+
+def test_noise_is_the_mean_distance_of_gaussian_scatter() -> None:
+    """Half the sum of the mean sizes of what is off: sqrt(2/pi) standard errors each."""
+    rng = np.random.default_rng(4)
+    mean = rng.uniform(1, 2, (6, 8))
+    told, found = [], []
+    for _ in range(60):
+        lobes = mean + 0.1 * rng.standard_normal((12, *mean.shape))
+        told.append(noise(lobes))
+        found.append(total_variation(lobes.mean(axis=0), mean))
+    assert np.mean(told) == pytest.approx(np.mean(found), rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("off", "error", "light"),
+    [
+        ([0.01, 0.05], 0.019, "A"),  # both too bright: what is measured drops out
+        ([0.05, 0.01], 0.5, "B"),
+        ([-0.01, -0.05], 0.5, "A"),
+        ([-0.01, 0.05], 0.0099, "A"),  # on either side: two errors, twice each, decide
+        ([-0.01, 0.05], 0.0101, "–"),
+        ([-0.05, 0.01], 0.0099, "B"),
+        ([0.02, 0.02], 0.0, "–"),
+    ],
+)
+def test_who_is_nearer_in_light_depends_on_the_error(off: list[float], error: float, light: str) -> None:
+    rows = contest(contested(off, error, [[0.1, 0.0], [0.2, 0.0]]), "A", "B")
+    assert rows[0][5] == light
+
+
+@pytest.mark.parametrize(
+    ("errors", "nearer"),
+    [([0.0, 0.049], "A"), ([0.0, 0.051], "–"), ([0.03, 0.039], "A"), ([0.03, 0.041], "–"), ([0.051, 0.0], "–")],
+)
+def test_who_is_nearer_in_shape_depends_on_both_errors(errors: list[float], nearer: str) -> None:
+    found = contested([0, 0], 0.0, [[0.1, errors[0]], [0.2, errors[1]]])
+    assert contest(found, "A", "B")[0][8] == nearer
+    turned = {**found, "names": np.array([["B", "A"]])}
+    assert contest(turned, "B", "A")[0][8] == nearer.replace("A", "B")
+
+
+def contested(off: list[float], error: float, distance: list[list[float]]) -> dict[str, np.ndarray]:
+    return {
+        "names": np.array([["A", "B"]]),
+        "alpha": np.array([0.4]),
+        "theta_o": np.array([30.0]),
+        "noise": np.zeros((1, 1)),
+        "albedo": np.array([[[0.5, error]]]),
+        "model_albedo": 0.5 + np.array([[off]]),
+        "distance": np.array([[distance]]),
+    }

@@ -333,21 +333,25 @@ def onward(view: Callable[..., float], facet: Callable[..., Any], fresnel: Calla
     return Batch(following(view, facet, fresnel), [3, 1, 2], 5)
 
 
-def steeper(u: float, p: Any) -> tuple[float, float]:
-    """The last number of a facet of GGX, with steep facets drawn more often, and how much less each of them counts."""
-    alpha = min(p[0][0], p[0][1])
-    steep = alpha * alpha
-    span = log1p(1.0 / steep)
-    rest = steep * expm1(span * u)
-    return max(1.0 - rest, 0.0), (rest + steep) * span
+@cache
+def steeper(normals: Callable[..., float], view: Callable[..., float]) -> Callable[..., tuple[float, float, float, float]]:
+    """A facet that faces a direction above the horizon, steep ones more often, and how much less each of them counts.
 
+    They are drawn as facets of GGX, of which more are steep than of any other distribution here.
+    """
+    ggx_normals, ggx_view = GGX.kernel, GGX.closed_Lambda
 
-def as_drawn(u: float, p: Any) -> tuple[float, float]:
-    """Of facets whose steep ones are rare enough to be left as they come."""
-    return u, 1.0
+    def drawn_steep(x: float, y: float, z: float, u1: float, u2: float, p: Any) -> tuple[float, float, float, float]:
+        alpha = min(p[0][0], p[0][1])
+        steep = alpha * alpha
+        span = log1p(1.0 / steep)
+        rest = steep * expm1(span * u2)
+        mx, my, mz = ggx_facet(x, y, z, u1, max(1.0 - rest, 0.0), 0, 0, p)
+        often = ggx_normals(mx, my, mz, p[0]) / (1.0 + ggx_view(x, y, z, p[0]))
+        wanted = normals(mx, my, mz, p[0]) / (1.0 + view(x, y, z, p))
+        return mx, my, mz, (rest + steep) * span * (wanted / often if often > 0.0 else 0.0)
 
-
-STEEPER = {ggx_facet: steeper, beckmann_facet: as_drawn}
+    return drawn_steep
 
 
 @cache
@@ -371,18 +375,17 @@ def connecting(
 
 
 @cache
-def connections(
+def going_on(
     normals: Callable[..., float],
     view: Callable[..., float],
     facet: Callable[..., Any],
     fresnel: Callable[..., float],
-) -> Batch:
-    """What walks from wo send to wi from each facet they meet, as a BRDF: (..., 3), (..., 3), (..., 2) -> (..., 5).
+) -> Callable[..., float]:
+    """What a walk from (ox, oy, oz) that goes on after the first bounce sends to (ix, iy, iz) from all later facets.
 
-    Means over the walks of the first bounce and of all later ones, of the squares of these, and the most that one walk sends
-    later. All walks go on after the first bounce; each counts as much as its chance to do so.
+    It counts as much as its chance to go on.
     """
-    height, sends, steep = next_height(view), connecting(normals, view, fresnel), STEEPER[facet]
+    height, sends, first_facet = next_height(view), connecting(normals, view, fresnel), steeper(normals, view)
 
     def later(
         ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, u: float, lit: float, key: int, p: Any
@@ -392,10 +395,12 @@ def connections(
         weight, several = 1.0, 0.0
         for bounce in range(LONGEST):
             at = STRIDE * bounce
-            last, fewer = steep(drawn(key, at + 2), p[0]) if bounce == 0 else (drawn(key, at + 2), 1.0)
-            mx, my, mz = facet(-x, -y, -z, drawn(key, at + 1), last, key, at + 3, p[0])
+            if bounce == 0:
+                mx, my, mz, weight = first_facet(ox, oy, oz, drawn(key, 1), drawn(key, 2), p[0])
+            else:
+                mx, my, mz = facet(-x, -y, -z, drawn(key, at + 1), drawn(key, at + 2), key, at + 3, p[0])
             cosine = -(x * mx + y * my + z * mz)
-            weight *= fewer * fresnel(min(max(cosine, 0.0), 1.0), p[1])
+            weight *= fresnel(min(max(cosine, 0.0), 1.0), p[1])
             x, y, z = x + 2.0 * cosine * mx, y + 2.0 * cosine * my, z + 2.0 * cosine * mz
             chance = drawn(key, at + STRIDE)
             if bounce == 0 and z > 0.0:
@@ -408,6 +413,24 @@ def connections(
                 return several
             several += weight * sends(x, y, z, ix, iy, iz, u, lit, p)
         return several
+
+    return later
+
+
+@cache
+def connections(
+    normals: Callable[..., float],
+    view: Callable[..., float],
+    facet: Callable[..., Any],
+    fresnel: Callable[..., float],
+) -> Batch:
+    """What walks from wo send to wi from each facet they meet, as a BRDF: (..., 3), (..., 3), (..., 2) -> (..., 5).
+
+    Means over the walks of the first bounce and of all later ones, of the squares of these, and the most that one walk sends
+    later.
+    """
+    height, sends = next_height(view), connecting(normals, view, fresnel)
+    later = going_on(normals, view, facet, fresnel)
 
     def sent(
         ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, u1: float, u2: float, p: Any
