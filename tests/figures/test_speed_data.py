@@ -45,14 +45,6 @@ def write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Write:
     return write
 
 
-@pytest.mark.parametrize(
-    "module",
-    [speed_arrays_data, speed_growth_data, speed_integrals_data, speed_rays_data, speed_samplers_data, equal_time_data],
-)
-def test_nothing_here_takes_the_record_for_granted(module: ModuleType) -> None:
-    assert module.seconds is record.seconds
-
-
 # --- arrays -----------------------------------------------------------------------------------------------------------------
 
 
