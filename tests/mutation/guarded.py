@@ -34,7 +34,7 @@ import tomllib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from queue import SimpleQueue
@@ -82,6 +82,7 @@ class Watched:
     seconds: float
     touched: dict[str, list[str]] = field(default_factory=dict)
     failed: list[str] = field(default_factory=list)
+    digest: str = ""
 
 
 # --- a copy of the checkout -------------------------------------------------------------------------------------------
@@ -130,7 +131,6 @@ class Copy:
 
 
 def _frugal() -> None:
-    os.nice(5)
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
 
 
@@ -163,24 +163,33 @@ def watch(copy: Copy, file: str, suite: str) -> Watched:
     return Watched(file, suite, time.perf_counter() - start, found["touched"], found["failed"])
 
 
-def digest(root: Path) -> str:
-    """Of all that decides what the tests call."""
-    found = [
-        path for name in ("lib", "figures", "workflow", "tests", "chapters") for path in sorted((root / name).rglob("*.*"))
-    ]
-    texts = (path.read_bytes() for path in found if path.is_file() and "__pycache__" not in path.parts)
-    return hashlib.sha256(b"\0".join(texts)).hexdigest()[:16]
+def digests(root: Path) -> dict[str, str]:
+    """By test file, of all that decides what it calls: itself, what tests share, and everything that is tested."""
+    folders = [root / name for name in ("lib", "figures", "workflow", "chapters", "records", "tests")]
+    found = [path for folder in folders for path in sorted(folder.rglob("*.*")) if "__pycache__" not in path.parts]
+    tests, others = test_files(root), hashlib.sha256()
+    for path in found:
+        name = str(path.relative_to(root))
+        if path.is_file() and name not in tests and not name.startswith("tests/mutation/"):
+            others.update(name.encode() + b"\0" + path.read_bytes())
+    return {test: hashlib.sha256((root / test).read_bytes() + others.digest()).hexdigest()[:16] for test in tests}
 
 
 def record(root: Path, copies: Sequence[Copy], suites: Sequence[str]) -> list[Watched]:
-    """By file and suite, kept under build/ for as long as nothing changes."""
-    folder = root / "build" / "mutants"
-    folder.mkdir(parents=True, exist_ok=True)
-    kept = folder / f"watched_{digest(copies[0].root)}.json"
+    """By file and suite, kept under build/ for as long as nothing changes that decides it."""
+    kept = root / "build" / "mutants" / "watched.json"
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    now = digests(copies[0].root)
     known = [Watched(**one) for one in json.loads(kept.read_text("utf-8"))] if kept.exists() else []
+    known = [one for one in known if now.get(one.file) == one.digest]
     have = {(one.file, one.suite) for one in known}
-    missing = [(file, suite) for suite in suites for file in test_files(root) if (file, suite) not in have]
-    known += shared_out(copies, missing, lambda copy, job: watch(copy, *job))
+    missing = [(file, suite) for suite in suites for file in now if (file, suite) not in have]
+
+    def one(copy: Copy, job: tuple[str, str]) -> Watched:
+        found = watch(copy, *job)
+        return replace(found, digest=now[found.file])
+
+    known += shared_out(copies, missing, one)
     kept.write_text(json.dumps([asdict(one) for one in known]), "utf-8")
     return known
 

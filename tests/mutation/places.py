@@ -177,7 +177,7 @@ class _Finder(ast.NodeVisitor):
 
     def visit_Call(self, node: ast.Call) -> None:
         self.visit(node.func)
-        for argument in node.args:
+        for argument in () if getattr(node.func, "attr", "") == "reshape" else node.args:  # any number below 0 is "the rest"
             self.visit(argument)
         for keyword in node.keywords:
             if keyword.arg not in ASSERTED:

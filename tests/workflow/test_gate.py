@@ -162,7 +162,7 @@ def test_a_torn_record_ends_with_its_remedy(tmp_path: Path, text: str | None) ->
         path.write_text(text)
     with pytest.raises(SystemExit, match="missing or torn: remove it, and snakemake makes it again"):
         ledger.record_of(path)
-    with pytest.raises(SystemExit, match="missing or torn: `git checkout records/none.json` brings it back"):
+    with pytest.raises(SystemExit, match=r"missing or torn: `git checkout records/none\.json` brings it back"):
         ledger.record_of(Path("records/none.json"))
 
 
@@ -173,7 +173,7 @@ def test_a_torn_record_ends_with_its_remedy(tmp_path: Path, text: str | None) ->
 def stated(small: Checkout, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Path]:
     """Two statements of one stage and one of another, and records of what became of them."""
     facts = {"title": "T", "slides": [1], "cite": "c", "latex": "x"}
-    monkeypatch.setattr(inventory, "statements", lambda: {key: facts for key in ("a.b", "a.c", "b.a")})
+    monkeypatch.setattr(inventory, "statements", lambda: dict.fromkeys(("a.b", "a.c", "b.a"), facts))
 
     def write(**changes: dict[str, Any]) -> Path:
         records = {key: entry(key, symbolic=PROVED) for key in ("a.b", "a.c", "b.a")}
