@@ -65,15 +65,19 @@ def _unit(name: str, array: np.ndarray) -> None:
 
 def vectors(name: str, values: Any) -> Argument:
     """The argument as an array (..., 3) of floats, directions once checked; another shape is a ValueError that names it."""
-    return points(name, values)._replace(kind="direction")
+    return _rows(name, values, 3, "direction")
 
 
-def points(name: str, values: Any, width: int = 3) -> Argument:
-    """The argument as an array (..., width) of floats, finite once checked; another shape is a ValueError that names it."""
+def points(name: str, values: Any) -> Argument:
+    """The argument as an array (..., 3) of floats, finite once checked; another shape is a ValueError that names it."""
+    return _rows(name, values, 3, "finite")
+
+
+def _rows(name: str, values: Any, width: int, kind: str) -> Argument:
     array = _floats(name, values, width)
     if array.ndim == 0 or array.shape[-1] != width:
         raise ValueError(f"{name} must have shape (..., {width}), got shape {array.shape}")
-    return Argument(name, array, "finite")
+    return Argument(name, array, kind)
 
 
 def numbers(name: str, values: Any) -> Argument:
@@ -83,7 +87,7 @@ def numbers(name: str, values: Any) -> Argument:
 
 def uniform(name: str, values: Any) -> Argument:
     """The argument as an array (..., 2) of floats, in [0, 1) once checked."""
-    return points(name, values, 2)._replace(kind="share")
+    return _rows(name, values, 2, "share")
 
 
 def as_vectors(name: str, values: Any) -> np.ndarray:

@@ -319,13 +319,13 @@ def _loop(name: str, widths: Sequence[int], outputs: int, single: Sequence[bool]
 def _checks(rows: Sequence[tuple[str, Sequence[str]]]) -> list[str]:
     """Lines that clear `good` where a number is none that its kind allows.
 
-    A sum is finite only if all its terms are. One of finite terms may overflow: who called the loop then looks at each. A
-    square near 1 is finite.
+    A sum is finite only if all its terms are. One of finite terms may overflow, and a direction be the zero vector that a
+    sampler returned: who called the loop then looks at each.
     """
     finite = [value for kind, row in rows if kind == "finite" for value in row]
     lines = [f"total = {' + '.join(finite)}", "good &= total - total == R(0.0)"] if finite else []
     for square in (" + ".join(f"{value} * {value}" for value in row) for kind, row in rows if kind == "direction"):
-        lines += [f"square = {square}", f"good &= (abs(square - R(1.0)) <= R({UNIT})) | (square == R(0.0))"]
+        lines += [f"square = {square}", f"good &= abs(square - R(1.0)) <= R({UNIT})"]
     shares = [value for kind, row in rows if kind == "share" for value in row]
     return [*lines, *(f"good &= ({value} >= R(0.0)) & ({value} < R(1.0))" for value in shares)]
 

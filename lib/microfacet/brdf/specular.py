@@ -186,7 +186,7 @@ def evaluation(
     def evaluate(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
         hx, hy, hz = ox + ix, oy + iy, oz + iz
         length = sqrt(hx * hx + hy * hy + hz * hz)
-        if not (oz > HORIZON and iz > HORIZON):
+        if not (oz > HORIZON and iz > HORIZON and length > 0.0):
             return 0.0
         hx, hy, hz = hx / length, hy / length, hz / length
         cosine = min(0.5 * length, 1.0)
@@ -207,7 +207,7 @@ def joined_evaluation(fresnel: Callable[..., float]) -> Batch:
     def evaluate(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
         hx, hy, hz = ox + ix, oy + iy, oz + iz
         square = hx * hx + hy * hy + hz * hz
-        if not (oz > HORIZON and iz > HORIZON):
+        if not (oz > HORIZON and iz > HORIZON and square > 0.0):
             return 0.0
         alpha_x, alpha_y = p[0][0]
         return fresnel(min(0.5 * sqrt(square), 1.0), p[1]) * prepared_lobe(ox, oy, oz, ix, iy, iz, alpha_x, alpha_y, p[2], p[3])
@@ -267,7 +267,7 @@ def visible_weight(
     def weight(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
         hx, hy, hz = ox + ix, oy + iy, oz + iz
         length = sqrt(hx * hx + hy * hy + hz * hz)
-        if not (oz > HORIZON and iz > HORIZON):
+        if not (oz > HORIZON and iz > HORIZON and length > 0.0):
             return 0.0
         cosine = min(0.5 * length, 1.0)
         seen, lit = view(ox, oy, oz, p[0]), view(ix, iy, iz, p[0])
@@ -287,7 +287,7 @@ def normals_weight(
     def weight(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
         hx, hy, hz = ox + ix, oy + iy, oz + iz
         length = sqrt(hx * hx + hy * hy + hz * hz)
-        if not (oz > HORIZON and iz > HORIZON):
+        if not (oz > HORIZON and iz > HORIZON and length > 0.0):
             return 0.0
         hx, hy, hz = hx / length, hy / length, hz / length
         cosine = min(0.5 * length, 1.0)

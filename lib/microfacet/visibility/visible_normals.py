@@ -12,8 +12,11 @@ from typing import Any
 from microfacet.arithmetic import turn
 from microfacet.kernels import ByPrecision
 from microfacet.visibility import visible_slopes
+from microfacet.visibility.masking import HORIZON
 from microfacet.visibility.visible_slopes import NOTHING, gaussian_slope, visible_gaussian_slope
 
+EDGE = ByPrecision(double=8 * 2.0**-52, single=8 * 2.0**-23)  # of the sum of a cosine's terms, what rounding may change
+NONE = ByPrecision(double=1e-300, single=1e-37)  # in place of a square that is 0
 SQRT_PI = visible_slopes.SQRT_PI
 STRAIGHT = ByPrecision(double=1e-150, single=1e-18)  # below this sine its square loses digits, and azimuth has no effect
 
@@ -25,6 +28,15 @@ def unstretched(x: float, y: float, z: float, alpha_x: float, alpha_y: float) ->
     return scale * x, scale * y, scale * z
 
 
+def lacking(x: float, y: float, z: float) -> float:
+    """What must be added to these terms of the cosine between view and normal for it to be above 0 however it is rounded.
+
+    A facet on edge has a normal that is a difference of near numbers, so that rounding may turn it away from the viewer. A
+    change of the uniform numbers by their rounding leads from there to a facet that is just seen.
+    """
+    return max(EDGE * (abs(x) + abs(y) + abs(z)) - (x + y + z), 0.0)
+
+
 def sample_ggx(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float]:
     """A visible normal of GGX: mirror directions fill a spherical cap uniformly.
 
@@ -32,15 +44,18 @@ def sample_ggx(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) ->
     unstretched view need not have unit length: all else is longer by as much, until the normal is.
     """
     alpha_x, alpha_y = p[0]
-    x, y, z = alpha_x * ox, alpha_y * oy, oz if oz > 0.0 else 1.0
+    x, y, z = alpha_x * ox, alpha_y * oy, oz if oz > HORIZON else 1.0
     square = x * x + y * y
     height = z + sqrt(square + z * z)
     above = (1.0 - u2) * height
     radius = sqrt(u2 * (above * height + square))
     c, s = turn(u1)
-    hx = alpha_x * (radius * c + x)
-    hy = alpha_y * (radius * s + y)
-    scale = (1.0 if oz > 0.0 else 0.0) / sqrt(hx * hx + hy * hy + above * above)
+    hx = radius * c + x
+    hy = radius * s + y
+    towards = lacking(x * hx, y * hy, z * above) / max(square, NONE)
+    hx = alpha_x * (hx + towards * x)
+    hy = alpha_y * (hy + towards * y)
+    scale = (1.0 if oz > HORIZON else 0.0) / sqrt(hx * hx + hy * hy + above * above)
     return scale * hx, scale * hy, scale * above
 
 
@@ -48,7 +63,7 @@ def sample_beckmann(ox: float, oy: float, oz: float, u1: float, u2: float, p: An
     """A visible normal of Beckmann: the slope along the view from its visible share, the slope across independent."""
     alpha_x, alpha_y = p[0]
     vx, vy = alpha_x * ox, alpha_y * oy
-    vz = oz if oz > 0.0 else 1.0
+    vz = oz if oz > HORIZON else 1.0
     vs = sqrt(vx * vx + vy * vy)
     inclined = vs > STRAIGHT
     inverse = 1.0 / (vs if inclined else 1.0)
@@ -59,5 +74,8 @@ def sample_beckmann(ox: float, oy: float, oz: float, u1: float, u2: float, p: An
     along = visible_gaussian_slope(max(vs * share, NOTHING), vz * share, u1)
     slope_x = alpha_x * (c * along - s * across)
     slope_y = alpha_y * (s * along + c * across)
-    z = (1.0 if oz > 0.0 else 0.0) / sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
+    towards = lacking(-ox * slope_x, -oy * slope_y, vz) * inverse
+    slope_x -= alpha_x * c * towards
+    slope_y -= alpha_y * s * towards
+    z = (1.0 if oz > HORIZON else 0.0) / sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
     return -slope_x * z, -slope_y * z, z
