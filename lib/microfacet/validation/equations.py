@@ -2,28 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache
-from math import sqrt
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from microfacet.arithmetic import two_sum
-from microfacet.brdf.specular import Microfacet
 from microfacet.directions import as_vectors, one_of, positive, spherical
+from microfacet.geometry.panels import Panels
 from microfacet.geometry.slopes import Distribution
-from microfacet.material.reflection import reflected
-from microfacet.visibility.masking import Masking, visible_density
-from microfacet.visibility.quadrature import seen_batch
+from microfacet.validation.over_panels import ROUNDING, Kernels, Sight, Sights, kernels_of
+from microfacet.visibility.masking import Masking
 
 TOLERANCE = 1e-9  # what a relative residual may be and still count as rounding and quadrature
-ROUNDING = 1e-13  # of a sum of some 10^4 terms
 UNIT = 1e-6  # how far a unit vector's length may be from 1: a single-precision one's is
+ALIKE = 1e-7  # how far D of an isotropic distribution may differ between azimuths, of its largest value on the same ring
 
 THETA = np.radians([0, 15, 30, 45, 60, 75, 85, 89])
-PHI = np.radians([0, 35, 90])
+AZIMUTHS = 6  # from which each polar angle is looked at
+GOLDEN = 0.6180339887498949  # of a turn from one azimuth to the next: no symmetry hides between them
+TOWARDS = np.radians([60, 85])  # polar angles from which lobes that lean are looked at, along them and against
+LOBES = 2  # of those, so many
 
 TITLES = {
     "projected_area": "visible from above: facets project to the whole surface",
@@ -41,8 +41,9 @@ class Verdict:
     """What one equation says of a model.
 
     verdict: "holds", "fails", or "undecided" where the error bound is too large to tell. residual: the worst relative
-    deviation from the equation. bound: its error, estimated from two quadrature rules and rounding, not proved.
-    where: the direction, or pair, in degrees, at which the residual was found.
+    deviation from the equation. bound: its error, estimated from how integrands fall and from rounding, not proved.
+    where: the direction, or pair, in degrees, at which the residual was found. rests_on: what was looked at. needs: what
+    would decide an undecided one.
     """
 
     equation: str
@@ -50,6 +51,14 @@ class Verdict:
     residual: float
     bound: float
     where: str
+    rests_on: str = ""
+
+    @property
+    def needs(self) -> str:
+        if self.verdict != "undecided":
+            return ""
+        needed = abs(self.residual) + self.bound
+        return f"a tolerance of {needed:.1e}, or a D with fewer or wider features and less rounding, would decide it"
 
     @property
     def title(self) -> str:
@@ -77,33 +86,100 @@ class Validation(Mapping[str, Verdict]):
         return all(v.verdict == "holds" for v in self.values())
 
     def __str__(self) -> str:
-        lines = [f"{v.equation:15} {v.verdict:10} {v.residual:+.2e} +- {v.bound:.0e}  {v.where}" for v in self.values()]
-        return "\n".join([self.model, *lines])
+        lines = [
+            f"{v.equation:15} {v.verdict:10} {v.residual:+.2e} +- {v.bound:.0e}  {v.needs or v.where}" for v in self.values()
+        ]
+        resting: dict[str, list[str]] = {}
+        for v in self.values():
+            resting.setdefault(v.rests_on, []).append(v.equation)
+        return "\n".join([self.model, *lines, *(f"{', '.join(names)}: {what}" for what, names in resting.items())])
 
 
 def validate(model: Masking, wo: Any = None, tolerance: float = TOLERANCE) -> Validation:
     """A verdict for each of the seven equations. heitz2014.
 
     wo: view directions (..., 3), unit vectors above the horizon, at least one, taken in double precision; by default 8 polar
-    angles from 0 to 89 degrees and 3 azimuths. tolerance: the largest relative residual that counts as rounding, above 0.
-    ValueError for other views or tolerances, and for anything but a masking model.
+    angles from 0 to 89 degrees, each from azimuths of its own, and views along lobes that lean. tolerance: the largest relative
+    residual that counts as rounding, above 0. ValueError for other views or tolerances, for anything but a masking model,
+    where D is not finite, and for a distribution that says it is isotropic and is not.
     """
     if not isinstance(model, Masking):
         raise ValueError(f"model must be a model of masking such as Smith(GGX(0.3)), got {model!r}")
     tolerance = positive("tolerance", tolerance)
     views = default_views(model.ndf) if wo is None else _above(wo)
-    verdicts = [
-        *(_integral_verdict(name, *found, views, tolerance) for name, found in residuals(model, views).items()),
-        *_pair_verdicts(Microfacet(model), tolerance),
-        _energy_verdict(Microfacet(model), views, tolerance),
-    ]
-    return Validation(repr(model), verdicts)
+    sights = Sights(model)
+    if model.ndf.isotropic:
+        _refuse_preferred(model.ndf, sights)
+    found, seen = sights(views), _resting(model.ndf, views)
+    level = f"D at {model.ndf.panels.evaluations} normals, features down to {_finest(model.ndf.panels)} wide in slope"
+    return Validation(
+        repr(model),
+        [
+            _level_verdict(model.ndf.panels, tolerance, level),
+            *(_integral_verdict(name, *_of(found, name), views, tolerance, seen) for name in INTEGRALS[1:]),
+            *_pair_verdicts(sights, tolerance),
+            _energy_verdict(found, views, tolerance, seen),
+        ],
+    )
 
 
 def default_views(ndf: Distribution) -> np.ndarray:
-    """View directions that a verdict rests on: one azimuth is enough for an isotropic distribution."""
-    phi = PHI[:1] if ndf.isotropic else PHI
-    return spherical(*np.meshgrid(THETA, phi, indexing="ij")).reshape(-1, 3)
+    """View directions that a verdict rests on: for an isotropic distribution one of each polar angle, otherwise many azimuths.
+
+    No two azimuths are alike, and no symmetry has them in common. Without isotropy, lobes that lean are looked at along and
+    against their azimuth, and across.
+    """
+    if ndf.isotropic:
+        return spherical(THETA, 2 * np.pi * GOLDEN * np.arange(len(THETA)))
+    theta = np.array([THETA[0], *np.tile(THETA[1:], AZIMUTHS)])
+    towards = [spherical(t, phi + turn) for phi in _leaning(ndf.panels) for t in TOWARDS for turn in (0, np.pi / 2, np.pi)]
+    return np.concatenate([spherical(theta, 2 * np.pi * GOLDEN * np.arange(len(theta))), *([towards] if towards else [])])
+
+
+def _leaning(found: Panels) -> list[float]:
+    """Azimuths of the views that see most of the panels with most facets from the front, those of lobes that lean."""
+    area, x, y = found.moments.T
+    azimuths: list[float] = []
+    for k in np.argsort(-area * np.hypot(x / found.scale[0], y / found.scale[1])):
+        azimuth = float(np.arctan2(-y[k], -x[k]))
+        if all(abs(np.angle(np.exp(1j * (azimuth - other)))) > np.pi / 6 for other in azimuths):
+            azimuths.append(azimuth)
+        if len(azimuths) == LOBES:
+            break
+    return azimuths
+
+
+def _finest(found: Panels) -> str:
+    """The distance of neighbouring points in the look at D, as slopes."""
+    return f"{found.closest * found.scale[0]:.1g} by {found.closest * found.scale[1]:.1g}"
+
+
+def _resting(ndf: Distribution, views: np.ndarray) -> str:
+    """What a verdict on integrals rests on, in words."""
+    polar = len(np.unique(np.round(views[:, 2], 9)))
+    azimuths = np.unique(np.round(np.degrees(np.arctan2(views[:, 1], views[:, 0])) % 360, 6))
+    gaps = np.diff([*azimuths, azimuths[0] + 360])
+    symmetry = "isotropy, declared and checked" if ndf.isotropic else f"no symmetry, azimuths at most {gaps.max():.0f} degrees apart"
+    return f"{len(views)} views, {polar} polar angles, {len(azimuths)} azimuths; {symmetry}"
+
+
+RINGS, TURNS = 512, 61  # normals at which isotropy is checked, and azimuths of each
+
+
+def _refuse_preferred(ndf: Distribution, sights: Sights) -> None:
+    """A ValueError if D changes with azimuth, at normals spread over the facets."""
+    normals = sights.spread(RINGS)
+    turns = 2 * np.pi * (GOLDEN * np.arange(1, TURNS + 1))[:, None]
+    x, y, z = normals.T
+    turned = np.stack([x * np.cos(turns) - y * np.sin(turns), x * np.sin(turns) + y * np.cos(turns), z + 0 * turns], axis=-1)
+    values = np.concatenate([ndf.D(normals)[None], ndf.D(turned)])
+    apart = np.ptp(values, axis=0) / np.maximum(np.abs(values).max(axis=0), np.finfo(float).tiny)
+    worst = int(np.argmax(apart))
+    if apart[worst] > ALIKE:
+        theta = np.degrees(np.arctan2(np.hypot(x[worst], y[worst]), z[worst]))
+        raise ValueError(
+            f"{ndf!r} says that it is isotropic, but its D differs by {apart[worst]:.1%} between azimuths at theta_m = {theta:.4g}"
+        )
 
 
 def _above(wo: Any) -> np.ndarray:
@@ -120,87 +196,44 @@ def _above(wo: Any) -> np.ndarray:
 
 # --- the four validation equations --------------------------------------------------------------------------------------
 
-
-@cache
-def _seen(masked: Callable[..., float], normals: Callable[..., float]) -> Callable[..., float]:
-    """What the visible area sums up, over the cosine."""
-
-    def seen(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
-        cosine = ox * mx + oy * my + oz * mz
-        return masked(view, ox, oy, oz, mx, my, mz, p) * cosine * normals(mx, my, mz, p[0]) / oz if cosine > 0.0 else 0.0
-
-    return seen
-
-
-@cache
-def _mirrored(masked: Callable[..., float], normals: Callable[..., float]) -> Callable[..., float]:
-    """What the weak white furnace sums up: the density of light directions at the mirror direction, times 4 wo.wm.
-
-    It goes through the half vector of the light direction. What rounding leaves out of that direction is kept: near grazing,
-    the half vector is small beside it.
-    """
-
-    def mirrored(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
-        cosine = ox * mx + oy * my + oz * mz
-        if not cosine > 0.0:
-            return 0.0
-        ix, x_rest = two_sum(2.0 * cosine * mx, -ox)
-        iy, y_rest = two_sum(2.0 * cosine * my, -oy)
-        iz, z_rest = two_sum(2.0 * cosine * mz, -oz)
-        hx, hy, hz = ox + ix + x_rest, oy + iy + y_rest, oz + iz + z_rest
-        length = sqrt(hx * hx + hy * hy + hz * hz)
-        hx, hy, hz = hx / length, hy / length, hz / length
-        return reflected_density(masked(view, ox, oy, oz, hx, hy, hz, p), normals(hx, hy, hz, p[0]), oz) * 4.0 * cosine
-
-    return mirrored
-
-
 INTEGRALS = ("projected_area", "visible_area", "visible_norm", "weak_furnace")
-ABOVE = np.array([0.0, 0.0, 1.0])
 
 
-@cache
-def _summed(masked: Callable[..., float], normals: Callable[..., float]) -> Callable[..., float]:
-    """What any of `INTEGRALS` sums up; which of them, the last parameter tells, so that one kernel is compiled for all."""
-    seen, visible, mirrored = _seen(masked, normals), visible_density(masked, normals), _mirrored(masked, normals)
-
-    def summed(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
-        if p[2][0] == 0.0:
-            return mz * normals(mx, my, mz, p[0])
-        if p[2][0] == 1.0:
-            return seen(view, ox, oy, oz, mx, my, mz, p)
-        if p[2][0] == 2.0:
-            return visible(view, ox, oy, oz, mx, my, mz, p)
-        return mirrored(view, ox, oy, oz, mx, my, mz, p)
-
-    return summed
+def _of(found: list[Sight], equation: str) -> tuple[np.ndarray, np.ndarray]:
+    """Residuals of one of the three equations that depend on the view, and their errors."""
+    sums = np.array([getattr(sight, {"visible_area": "area", "visible_norm": "norm", "weak_furnace": "furnace"}[equation]) for sight in found])
+    return sums[:, 0] - 1, sums[:, 1]
 
 
 def residual(model: Masking, equation: str, wo: Any) -> tuple[np.ndarray, np.ndarray]:
     """The relative residuals of one of the four validation equations at view directions (n, 3), and their errors.
 
-    equation: one of `INTEGRALS`. The projected area, which no view changes, is taken from above. ValueError for any other
-    equation, and for views that `validate` refuses.
+    equation: one of `INTEGRALS`. No view changes the projected area. ValueError for any other equation, and for views that
+    `validate` refuses.
     """
     one_of("equation", equation, INTEGRALS)
-    views, normals = _above(wo), type(model.ndf).kernel
-    level = equation == "projected_area"
-    rule = seen_batch(model.view_kernel, _summed(model.masked_kernel, normals), normals)
-    which = (float(INTEGRALS.index(equation)),)
-    found = rule([ABOVE if level else views], ((*model.parameters, which), model.ndf.scale))
-    values, bounds = found[..., 0] - 1, np.abs(found[..., 0] - found[..., 1]) + ROUNDING
-    return (np.full(len(views), values), np.full(len(views), bounds)) if level else (values, bounds)
+    return residuals(model, wo, (equation,))[equation]
 
 
-def residuals(model: Masking, wo: Any) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+def residuals(model: Masking, wo: Any, equations: tuple[str, ...] = INTEGRALS) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """`residual` of each of the four, by name."""
-    return {equation: residual(model, equation, wo) for equation in INTEGRALS}
+    views, found = _above(wo), model.ndf.panels
+    level = np.full(len(views), found.area - 1), np.full(len(views), found.error + ROUNDING)
+    sights = Sights(model)(views) if set(equations) - {INTEGRALS[0]} else []
+    return {name: level if name == INTEGRALS[0] else _of(sights, name) for name in equations}
 
 
-def _integral_verdict(name: str, values: np.ndarray, bounds: np.ndarray, views: np.ndarray, tolerance: float) -> Verdict:
+def _level_verdict(found: Panels, tolerance: float, seen: str) -> Verdict:
+    value, bound = found.area - 1, found.error + ROUNDING
+    return Verdict(INTEGRALS[0], decide(np.array([value]), np.array([bound]), tolerance), value, bound, "", seen)
+
+
+def _integral_verdict(
+    name: str, values: np.ndarray, bounds: np.ndarray, views: np.ndarray, tolerance: float, seen: str
+) -> Verdict:
     worst = int(np.argmax(np.abs(values)))
-    where = "" if name == "projected_area" else _degrees("o", views[worst])
-    return Verdict(name, decide(values, bounds, tolerance), float(values[worst]), float(bounds.max()), where)
+    verdict = decide(values, bounds, tolerance)
+    return Verdict(name, verdict, float(values[worst]), float(bounds.max()), _degrees("o", views[worst]), seen)
 
 
 def decide(values: np.ndarray, bounds: np.ndarray, tolerance: float) -> str:
@@ -217,39 +250,52 @@ def _degrees(name: str, direction: np.ndarray) -> str:
 
 # --- the three classic equations ----------------------------------------------------------------------------------------
 
-reflected_density = reflected.scalar
-PAIRS = 20000
+DIRECTIONS = 201
+PAIRS = DIRECTIONS * (DIRECTIONS - 1) // 2
 
 
-def _pairs() -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of directions, uniform in solid angle over the hemisphere."""
-    u = np.random.default_rng(0).random((4, PAIRS))
-    return spherical(np.arccos(u[0]), 2 * np.pi * u[1]), spherical(np.arccos(u[2]), 2 * np.pi * u[3])
+def _directions() -> np.ndarray:
+    """Directions uniform in solid angle over the hemisphere."""
+    u = np.random.default_rng(0).random((2, DIRECTIONS))
+    return spherical(np.arccos(u[0]), 2 * np.pi * u[1])
 
 
-def _pair_verdicts(brdf: Microfacet, tolerance: float) -> list[Verdict]:
-    wo, wi = _pairs()
-    there, back = brdf.evaluate(wo, wi), brdf.evaluate(wi, wo)
+def _pair_verdicts(sights: Sights, tolerance: float) -> list[Verdict]:
+    """Each direction with each other, as viewer and light and the other way round; D at all normals it was looked at."""
+    wo, wi, there, back = _both_ways(sights.kernels)
     scale = np.maximum(np.abs(there), np.finfo(float).tiny)
-    lowest, apart = np.minimum(there / scale, 0), (there - back) / scale
-    return [
-        _pair_verdict("positivity", lowest, wo, wi, tolerance),
-        _pair_verdict("reciprocity", apart, wo, wi, tolerance),
-    ]
+    negative, normal = sights.negative()
+    seen = f"{PAIRS} pairs of {DIRECTIONS} directions"
+    positive_pairs = _pair_verdict("positivity", np.minimum(there / scale, 0), wo, wi, tolerance, seen)
+    if -negative < positive_pairs.residual:
+        verdict = decide(np.array([-negative]), np.array([ROUNDING]), tolerance)
+        positive_pairs = Verdict("positivity", verdict, -negative, ROUNDING, _degrees("m", normal), f"{seen}, and the area of D below 0")
+    return [positive_pairs, _pair_verdict("reciprocity", (there - back) / scale, wo, wi, tolerance, seen)]
 
 
-def _pair_verdict(name: str, values: np.ndarray, wo: np.ndarray, wi: np.ndarray, tolerance: float) -> Verdict:
+def _both_ways(kernels: Kernels) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Pairs of directions, and G2 at their half vector for one as viewer, then for the other."""
+    directions = _directions()
+    known = kernels.view([directions], kernels.parameters)
+    first, second = np.triu_indices(DIRECTIONS, 1)
+    wo, wi = directions[first], directions[second]
+    h = (wo + wi) / np.linalg.norm(wo + wi, axis=1, keepdims=True)
+    there = kernels.shadowed([known[first], known[second], wo, wi, h], kernels.parameters)
+    return wo, wi, there, kernels.shadowed([known[second], known[first], wi, wo, h], kernels.parameters)
+
+
+def _pair_verdict(name: str, values: np.ndarray, wo: np.ndarray, wi: np.ndarray, tolerance: float, seen: str) -> Verdict:
     worst = int(np.argmax(np.abs(values)))
     verdict = decide(values, np.full(len(values), ROUNDING), tolerance)
-    return Verdict(name, verdict, float(values[worst]), ROUNDING, f"{_degrees('o', wo[worst])}, {_degrees('i', wi[worst])}")
+    where = f"{_degrees('o', wo[worst])}, {_degrees('i', wi[worst])}"
+    return Verdict(name, verdict, float(values[worst]), ROUNDING, where, seen)
 
 
-def _energy_verdict(brdf: Microfacet, views: np.ndarray, tolerance: float) -> Verdict:
+def _energy_verdict(found: list[Sight], views: np.ndarray, tolerance: float, seen: str) -> Verdict:
     """The largest albedo, less 1: only what is above 0 breaks the equation."""
-    fine, bounds = brdf.albedo_with_error(views)
-    worst = int(np.argmax(fine))
-    excess = np.maximum(fine - 1, 0)
-    verdict = (
-        "fails" if np.any(excess > tolerance + bounds) else "holds" if np.all(fine + bounds <= 1 + tolerance) else "undecided"
-    )
-    return Verdict("energy", verdict, float(fine[worst] - 1), float(bounds[worst]), _degrees("o", views[worst]))
+    values, bounds = np.array([sight.albedo for sight in found]).T
+    worst = int(np.argmax(values + bounds))
+    excess = np.maximum(values - 1, 0)
+    sure = np.all(values + bounds <= 1 + tolerance)
+    verdict = "fails" if np.any(excess > tolerance + bounds) else "holds" if sure else "undecided"
+    return Verdict("energy", verdict, float(values[worst] - 1), float(bounds[worst]), _degrees("o", views[worst]), seen)
