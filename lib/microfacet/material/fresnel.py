@@ -435,7 +435,7 @@ class Schlick(Fresnel):
 
 
 class F82Tint(Fresnel):
-    """Schlick's approximation, darkened near 82 degrees as metals are. hoffman2019; kutz2021.
+    """Schlick's approximation, darkened near 82 degrees as metals are. hoffman2019.
 
     F0 + (F90 - F0)(1 - c)^5 - b c (1 - c)^6, with b such that at c = 1/7, some 82 degrees, it is `tint` times Schlick's.
     All three lie in [0, 1]. The name is the one that shading standards give the model: they ask for the tint, a factor,
