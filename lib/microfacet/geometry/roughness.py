@@ -51,7 +51,7 @@ def alpha_from_roughness(roughness: Any, convention: str = "squared") -> Any:
 def stretched_alpha(alpha: Any, anisotropic: Any) -> tuple[Any, Any]:
     """alpha_x and alpha_y of a surface rougher along x than along y, from alpha and a number in [0, 1]. burley2012.
 
-    Shapes broadcast. alpha_x = alpha/aspect and alpha_y = alpha aspect, with aspect = sqrt(1 - 0.9 anisotropic); their product is alpha^2.
+    Shapes broadcast; alpha_x = alpha/aspect and alpha_y = alpha aspect, with aspect = sqrt(1 - 0.9 anisotropic).
     """
     values, amount = numbers("alpha", alpha).checked(), numbers("anisotropic", anisotropic).checked()
     if values.size and not values.min() > 0:
