@@ -22,6 +22,7 @@ PUBLIC = {
     "Dielectric": "material.fresnel",
     "Diffuse": "brdf.diffuse",
     "F82Tint": "material.fresnel",
+    "Frame": "frame",
     "GGX": "geometry.ggx",
     "Implicit": "visibility.unphysical",
     "Kelemen": "visibility.unphysical",
@@ -33,9 +34,11 @@ PUBLIC = {
     "Smith": "visibility.smith",
     "VCavity": "visibility.v_cavity",
     "Ward": "geometry.ward",
+    "alpha_from_roughness": "geometry.roughness",
     "choose": "enough.choice",
     "equations": "statement",
     "seen_area": "validation.adaptive",
+    "stretched_alpha": "geometry.roughness",
     "validate": "validation.equations",
 }
 

@@ -6,7 +6,7 @@ import microfacet as mf
 import mpmath as mp
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from microfacet.material import fresnel
 from microfacet.material.fresnel import Fresnel
@@ -72,6 +72,7 @@ def test_dielectrics_keep_their_digits_everywhere(real: type, eta: float) -> Non
 
 @pytest.mark.parametrize("real", [np.float64, np.float32])
 @given(eta=INDICES, k=ABSORPTIONS)
+@example(eta=1.0, k=1e-20)
 def test_conductors_keep_their_digits_everywhere(real: type, eta: float, k: float) -> None:
     eta, k = float(real(eta)), max(float(real(k)), 1e-20 * (k > 0))
     exact_k = float(real(k))
@@ -184,6 +185,22 @@ def test_a_tint_is_taken_if_and_only_if_all_of_it_is_a_reflectance(real: type, F
     assert right.min() >= -1e-15
     assert ((value >= 0) & (value <= 1)).all()
     np.testing.assert_allclose(value, right, rtol=0, atol=16 * EPS[real] * max(F0, F90) + 1e-15)
+
+
+@pytest.mark.parametrize(("F0", "F90"), [(0.0, 1.0), (0.04, 1.0), (0.04, 0.5), (0.3, 0.3), (0.3, 0.1), (0.01, 0.02)])
+def test_the_darkest_tint_that_is_taken_lets_the_reflectance_touch_zero(F0: float, F90: float) -> None:
+    dark, light = -1e-9, 1.0
+    while light - dark > 1e-12:
+        tint = (dark + light) / 2
+        try:
+            mf.F82Tint(F0, max(tint, 0), F90)
+            light = tint
+        except ValueError:
+            dark = tint
+    c = np.linspace(0, 1, 100_001)
+    edge, off = F0 + (F90 - F0) * (6 / 7) ** 5, c * (1 - c) ** 6 * 7 * (7 / 6) ** 6
+    least = (F0 + (F90 - F0) * (1 - c) ** 5 - (1 - max(light, 0)) * edge * off).min()
+    assert least == pytest.approx(0, abs=1e-8)
 
 
 def test_a_tint_is_a_factor_at_82_degrees() -> None:

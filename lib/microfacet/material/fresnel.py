@@ -80,7 +80,7 @@ def conductor(c: float, eta: float, kappa: float) -> float:
     s2 = (1.0 - c) * (1.0 + c)
     t = beyond_critical(c, eta, kappa)
     product = eta * kappa
-    # products of t and of 2 eta kappa by 256 are normal numbers in single precision over all of `INDEX`
+    # times 256, so that in single precision these squares do not vanish before the reflectance of an index near 1 does
     modulus = sqrt((256.0 * t) * (256.0 * t) + (512.0 * product) * (512.0 * product)) / 256.0
     large = sqrt(0.5 * (modulus + abs(t)))
     small = product / large if large > 0.0 else 0.0
@@ -435,7 +435,7 @@ class Schlick(Fresnel):
 
 
 class F82Tint(Fresnel):
-    """Schlick's approximation, darkened near 82 degrees as metals are. hoffman2019; kutz2021.
+    """Schlick's approximation, darkened near 82 degrees as metals are. hoffman2019.
 
     F0 + (F90 - F0)(1 - c)^5 - b c (1 - c)^6, with b such that at c = 1/7, some 82 degrees, it is `tint` times Schlick's.
     All three lie in [0, 1]. The name is the one that shading standards give the model: they ask for the tint, a factor,

@@ -1,0 +1,77 @@
+"""Frames: from the directions of a scene to those of the library, with z along the normal and x along the tangent."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from microfacet.directions import numbers
+from microfacet.model import Model
+
+PARALLEL = 16  # epsilons: a sine below is rounding
+
+
+class Frame(Model):
+    """An orthonormal, right-handed frame at a point of a surface: x along the tangent, z along the normal.
+
+    normal, tangent: (..., 3) of any lengths above 0, such as those of every pixel; shapes broadcast. Of the tangent only what
+    is at right angles to the normal counts (Gram-Schmidt). Without one, x and y are any two such directions, which change
+    continuously but for where the normal's z changes sign (duff2017). float32 in gives float32 out. ValueError where a
+    vector is zero, and where tangent and normal are parallel.
+    x, y, z: the axes (..., 3), unit vectors.
+    """
+
+    def __init__(self, normal: Any, tangent: Any = None) -> None:
+        self.z = _unit("normal", normal)
+        self.x = _any_tangent(self.z) if tangent is None else _across("tangent", _unit("tangent", tangent), self.z)
+        self.y = np.cross(self.z, self.x)
+
+    def to_local(self, w: Any) -> np.ndarray:
+        """Directions of the scene (..., 3) as the library takes them: components along x, y and z."""
+        w = _vectors("w", w)
+        return np.stack([np.sum(w * axis, axis=-1) for axis in (self.x, self.y, self.z)], axis=-1)
+
+    def to_world(self, w: Any) -> np.ndarray:
+        """Directions of the library (..., 3) as those of the scene; the inverse of `to_local`."""
+        w = _vectors("w", w)
+        return np.asarray(w[..., :1] * self.x + w[..., 1:2] * self.y + w[..., 2:] * self.z)
+
+    def rotated(self, angle: Any) -> Frame:
+        """The frame rotated about its normal, x towards y, by an angle (...) in radians."""
+        angle = numbers("angle", angle).checked().astype(self.x.dtype)[..., None]
+        return Frame(self.z, np.cos(angle) * self.x + np.sin(angle) * self.y)
+
+
+def _vectors(name: str, values: Any) -> np.ndarray:
+    array = numbers(name, values).checked()
+    if array.ndim == 0 or array.shape[-1] != 3:
+        raise ValueError(f"{name} must have shape (..., 3), got shape {array.shape}")
+    return array
+
+
+def _unit(name: str, values: Any) -> np.ndarray:
+    """The vectors over their lengths; the largest component is divided out first, so that squares are numbers."""
+    array = _vectors(name, values)
+    largest = abs(array).max(axis=-1, keepdims=True, initial=0)
+    if not (largest > 0).all():
+        raise ValueError(f"{name} must not be the zero vector, got {array[(largest == 0)[..., 0]][0]}")
+    scaled = array / largest
+    return np.asarray(scaled / np.linalg.norm(scaled, axis=-1, keepdims=True))
+
+
+def _across(name: str, tangent: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """What is left of a unit vector at right angles to the normal, as a unit vector; twice, for what rounding leaves."""
+    rest = tangent - np.sum(tangent * normal, axis=-1, keepdims=True) * normal
+    length = np.linalg.norm(rest, axis=-1, keepdims=True)
+    if not (length > PARALLEL * np.finfo(rest.dtype).eps).all():
+        raise ValueError(f"{name} must not be parallel to the normal, got a sine of {length.min():.2g} between them")
+    rest = rest / length
+    rest = rest - np.sum(rest * normal, axis=-1, keepdims=True) * normal
+    return np.asarray(rest / np.linalg.norm(rest, axis=-1, keepdims=True))
+
+
+def _any_tangent(z: np.ndarray) -> np.ndarray:
+    sign = np.copysign(z.dtype.type(1), z[..., 2])
+    a = -1 / (sign + z[..., 2])
+    return np.stack([1 + sign * z[..., 0] ** 2 * a, sign * z[..., 0] * z[..., 1] * a, -sign * z[..., 0]], axis=-1)
