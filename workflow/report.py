@@ -115,26 +115,28 @@ def parse() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def refuse_broken_parts() -> None:
-    """A torn text would blame its chapter, and a torn picture Typst."""
-    figures = {name for chapter in inventory.chapters().values() for name in chapter.named("figure")}
-    pictures = [BUILD / "figures" / f"{name}{ending}" for name in figures for ending in (".svg", ".moving.svg")]
-    parts = [*(BUILD / "chapters").glob("*.typ"), *(path for path in pictures if path.exists()), BUILD / "ledger.json"]
+def refuse_broken_parts(medium: str) -> None:
+    """A torn text would blame its chapter, and a torn picture Typst. What moves is for the web only, and may not be made yet."""
+    known = inventory.figures()
+    shown = [known[name] for one in inventory.chapters().values() for name in one.named("figure") if name in known]
+    texts = [BUILD / "chapters" / f"{stem}.typ" for stem in (*inventory.chapters(), ABSTRACT)]
+    pictures = [BUILD / "figures" / f"{figure.name}.svg" for figure in shown]
+    moving = [Path(figure.moving) for figure in shown if figure.moves and medium == "web"]
     try:
-        seal.refuse_broken(parts)
+        seal.refuse_broken([*texts, *pictures, *moving, BUILD / "ledger.json"])
     except ValueError as fault:
         inventory.stop(str(fault))
 
 
 def main() -> None:
     options = parse()
-    refuse_broken_parts()
+    medium = medium_of(options.out)
+    refuse_broken_parts(medium)
     texts = fragments()
     faults = list(loose_ends(texts, works()))
     if faults:
         inventory.stop("\n".join(faults))
     inventory.write_atomically(BUILD / "report.json", json.dumps(facts(options), indent=1, ensure_ascii=False))
-    medium = medium_of(options.out)
     source = BUILD / f"{medium}.typ"
     inventory.write_atomically(source, main_file(list(texts), medium))
     made = typeset(source, medium)
