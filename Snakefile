@@ -129,7 +129,7 @@ rule ledger:
 rule gate:
     input:
         ledger="build/ledger.json",
-        record=lambda wildcards: build.source("records/ledger.json"),
+        record=lambda wildcards: inventory.source("records/ledger.json"),
         tools=build.tools("ledger.py"),
     output:
         "build/gate",
@@ -169,7 +169,7 @@ rule figure:
         script=lambda wildcards: build.figure(wildcards.name).script,
         data=lambda wildcards: build.figure(wildcards.name).data,
         imports=lambda wildcards: build.imports(build.figure(wildcards.name).script),
-        style=build.source("figures/report.mplstyle"),
+        style=inventory.source("figures/report.mplstyle"),
     output:
         report(
             "build/figures/{name}.svg",
@@ -197,7 +197,7 @@ rule motion:
         script=lambda wildcards: build.figure(wildcards.name).script,
         data=lambda wildcards: build.figure(wildcards.name).data,
         imports=lambda wildcards: build.imports(build.figure(wildcards.name).script),
-        style=build.source("figures/report.mplstyle"),
+        style=inventory.source("figures/report.mplstyle"),
     output:
         "build/figures/{name}.moving.svg",
     log:
@@ -240,8 +240,8 @@ rule report:
         chapters=expand("build/chapters/{chapter}.typ", chapter=build.texts()),
         figures=expand("build/figures/{name}.svg", name=build.figures_in_chapters()),
         moving=lambda wildcards: build.moving_in_chapters() if wildcards.form == "html" else [],
-        works=build.source("chapters/references.bib"),
-        title=build.source("CITATION.cff"),
+        works=inventory.source("chapters/references.bib"),
+        title=inventory.source("CITATION.cff"),
         tools=lambda wildcards: build.report_tools(wildcards.form),
     output:
         report("build/report.{form}", category="Report"),

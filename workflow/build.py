@@ -68,15 +68,8 @@ def digest(value: object) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-def source(name: str) -> str:
-    """A file that people write, as an input: where it is gone, what was made of it does not stand in for it."""
-    if not Path(name).is_file():
-        inventory.fault(f"{name} is missing: `git checkout {name}` brings it back.")
-    return name
-
-
 def digest_of(name: str) -> str:
-    return hashlib.sha256(Path(source(name)).read_bytes()).hexdigest()[:16]
+    return hashlib.sha256(Path(inventory.source(name)).read_bytes()).hexdigest()[:16]
 
 
 def products() -> list[str]:

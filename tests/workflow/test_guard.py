@@ -266,6 +266,11 @@ def test_what_one_figure_needs_is_looked_at_too(built: Checkout) -> None:
         ("records/ledger.json", "", "records/ledger.json is missing, torn or empty"),
         ("records/ledger.json", "[]", "records/ledger.json is missing, torn or empty"),
         ("chapters/references.bib", None, "chapters/references.bib is missing: `git checkout"),
+        ("requirements.lock", None, "requirements.lock is missing: `git checkout"),
+        ("pyproject.toml", "[project", "pyproject.toml does not state the project's version"),
+        ("chapters/1_visibility.md", "\udcff", "chapters/1_visibility.md is no text in UTF-8"),
+        ("figures/visibility/plain.py", "\udcff", "figures/visibility/plain.py is no text in UTF-8"),
+        ("lib/microfacet/geometry/ggx.py", "\udcff", "The library in lib/ cannot state its equations: "),
         ("lib/microfacet/geometry/ggx.py", "def", "lib/microfacet/geometry/ggx.py, line 1: "),
         ("lib/microfacet/__init__.py", "def", "lib/microfacet/__init__.py, line 1: "),
         ("figures/visibility/plain.py", "def", "figures/visibility/plain.py, line 1: "),
@@ -278,7 +283,7 @@ def test_a_source_that_is_gone_or_broken_takes_the_report_away(
     if text is None:
         built.path(name).unlink()
     else:
-        built.path(name).write_text(text)
+        built.path(name).write_text(text, "utf-8", errors="surrogateescape")
         os.utime(built.path(name), ns=(0, 0))  # older than all that was made of it
     done = built.snakemake()
     built.path(name).write_text(kept)
