@@ -64,7 +64,7 @@ rule check:
         "environment.yml"
     shell:
         "python -m microfacet check {params.statements} --kept build/kept --out {output} 2> {log}"
-        " && python workflow/seal.py {output} 2>> {log}"
+        " && python workflow/seal.py {output} 2>> {log} || python workflow/failed.py {log} $?"
 
 
 rule checked:
@@ -84,7 +84,7 @@ rule checked:
         "environment.yml"
     shell:
         "python workflow/ledger.py checked build/checks {output} build/report.pdf build/report.html 2> {log}"
-        " && python workflow/seal.py {output} 2>> {log}"
+        " && python workflow/seal.py {output} 2>> {log} || python workflow/failed.py {log} $?"
 
 
 rule measured:
@@ -102,7 +102,7 @@ rule measured:
         "environment.yml"
     shell:
         "python -m microfacet.surface.trials {output} 2> {log}"
-        " && python workflow/seal.py {output} 2>> {log}"
+        " && python workflow/seal.py {output} 2>> {log} || python workflow/failed.py {log} $?"
 
 
 rule ledger:
@@ -123,7 +123,7 @@ rule ledger:
         "environment.yml"
     shell:
         "python workflow/ledger.py gather build/checks {input.measured} {output} 2> {log}"
-        " && python workflow/seal.py {output} 2>> {log}"
+        " && python workflow/seal.py {output} 2>> {log} || python workflow/failed.py {log} $?"
 
 
 rule gate:
@@ -143,7 +143,7 @@ rule gate:
         "environment.yml"
     shell:
         "python workflow/ledger.py gate {input.ledger} {input.record} {output} build/report.pdf build/report.html 2> {log}"
-        " && python workflow/seal.py {output} 2>> {log}"
+        " && python workflow/seal.py {output} 2>> {log} || python workflow/failed.py {log} $?"
 
 
 rule data:
@@ -161,7 +161,7 @@ rule data:
         "environment.yml"
     shell:
         "python {input.script} {output} 2> {log}"
-        " && python workflow/seal.py {output} 2>> {log}"
+        " && python workflow/seal.py {output} 2>> {log} || python workflow/failed.py {log} $?"
 
 
 rule figure:
@@ -189,7 +189,7 @@ rule figure:
         "environment.yml"
     shell:
         "python {input.script} {input.data} {output} 2> {log}"
-        " && python workflow/seal.py {output} 2>> {log}"
+        " && python workflow/seal.py {output} 2>> {log} || python workflow/failed.py {log} $?"
 
 
 rule motion:
@@ -208,7 +208,7 @@ rule motion:
         "environment.yml"
     shell:
         "python {input.script} {input.data} {output} 2> {log}"
-        " && python workflow/seal.py {output} 2>> {log}"
+        " && python workflow/seal.py {output} 2>> {log} || python workflow/failed.py {log} $?"
 
 
 rule chapter:
@@ -230,7 +230,7 @@ rule chapter:
         "environment.yml"
     shell:
         "python workflow/chapter.py {input.text} {output.markdown} {output.typst} 2> {log}"
-        " && python workflow/seal.py {output} 2>> {log}"
+        " && python workflow/seal.py {output} 2>> {log} || python workflow/failed.py {log} $?"
 
 
 rule report:
@@ -255,7 +255,7 @@ rule report:
         "environment.yml"
     shell:
         "python workflow/report.py {output} {params.source} 2> {log}"
-        " && python workflow/seal.py {output} 2>> {log}"
+        " && python workflow/seal.py {output} 2>> {log} || python workflow/failed.py {log} $?"
 
 
 include: "workflow/campaign.smk"
