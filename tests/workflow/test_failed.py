@@ -7,7 +7,6 @@ import sys
 from pathlib import Path
 
 import build
-import failed
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
