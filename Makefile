@@ -15,6 +15,7 @@ READY := .venv/ready
 
 unexport PYTHONDONTWRITEBYTECODE PYTHONHOME PYTHONPATH VIRTUAL_ENV
 export UV_PYTHON_DOWNLOADS := never
+export PYTHONUTF8 := 1
 
 .PHONY: report test test-slow mutants lint record bench lock clean
 .DELETE_ON_ERROR:

@@ -64,7 +64,7 @@ rule check:
         "environment.yml"
     shell:
         "python -m microfacet check {params.statements} --kept build/kept --out {output} 2> {log}"
-        " && python workflow/seal.py {output} 2>> {log}"
+        " && python workflow/seal.py {output} 2>> {log} || python workflow/failed.py {log} $?"
 
 
 rule checked:
@@ -84,7 +84,7 @@ rule checked:
         "environment.yml"
     shell:
         "python workflow/ledger.py checked build/checks {output} build/report.pdf build/report.html 2> {log}"
-        " && python workflow/seal.py {output} 2>> {log}"
+        " && python workflow/seal.py {output} 2>> {log} || python workflow/failed.py {log} $?"
 
 
 rule measured:
@@ -102,7 +102,7 @@ rule measured:
         "environment.yml"
     shell:
         "python -m microfacet.surface.trials {output} 2> {log}"
-        " && python workflow/seal.py {output} 2>> {log}"
+        " && python workflow/seal.py {output} 2>> {log} || python workflow/failed.py {log} $?"
 
 
 rule ledger:
@@ -123,13 +123,13 @@ rule ledger:
         "environment.yml"
     shell:
         "python workflow/ledger.py gather build/checks {input.measured} {output} 2> {log}"
-        " && python workflow/seal.py {output} 2>> {log}"
+        " && python workflow/seal.py {output} 2>> {log} || python workflow/failed.py {log} $?"
 
 
 rule gate:
     input:
         ledger="build/ledger.json",
-        record=lambda wildcards: build.source("records/ledger.json"),
+        record=lambda wildcards: inventory.source("records/ledger.json"),
         tools=build.tools("ledger.py"),
     output:
         "build/gate",
@@ -143,7 +143,7 @@ rule gate:
         "environment.yml"
     shell:
         "python workflow/ledger.py gate {input.ledger} {input.record} {output} build/report.pdf build/report.html 2> {log}"
-        " && python workflow/seal.py {output} 2>> {log}"
+        " && python workflow/seal.py {output} 2>> {log} || python workflow/failed.py {log} $?"
 
 
 rule data:
@@ -161,7 +161,7 @@ rule data:
         "environment.yml"
     shell:
         "python {input.script} {output} 2> {log}"
-        " && python workflow/seal.py {output} 2>> {log}"
+        " && python workflow/seal.py {output} 2>> {log} || python workflow/failed.py {log} $?"
 
 
 rule figure:
@@ -169,7 +169,7 @@ rule figure:
         script=lambda wildcards: build.figure(wildcards.name).script,
         data=lambda wildcards: build.figure(wildcards.name).data,
         imports=lambda wildcards: build.imports(build.figure(wildcards.name).script),
-        style=build.source("figures/report.mplstyle"),
+        style=inventory.source("figures/report.mplstyle"),
     output:
         report(
             "build/figures/{name}.svg",
@@ -189,7 +189,7 @@ rule figure:
         "environment.yml"
     shell:
         "python {input.script} {input.data} {output} 2> {log}"
-        " && python workflow/seal.py {output} 2>> {log}"
+        " && python workflow/seal.py {output} 2>> {log} || python workflow/failed.py {log} $?"
 
 
 rule motion:
@@ -197,7 +197,7 @@ rule motion:
         script=lambda wildcards: build.figure(wildcards.name).script,
         data=lambda wildcards: build.figure(wildcards.name).data,
         imports=lambda wildcards: build.imports(build.figure(wildcards.name).script),
-        style=build.source("figures/report.mplstyle"),
+        style=inventory.source("figures/report.mplstyle"),
     output:
         "build/figures/{name}.moving.svg",
     log:
@@ -208,7 +208,7 @@ rule motion:
         "environment.yml"
     shell:
         "python {input.script} {input.data} {output} 2> {log}"
-        " && python workflow/seal.py {output} 2>> {log}"
+        " && python workflow/seal.py {output} 2>> {log} || python workflow/failed.py {log} $?"
 
 
 rule chapter:
@@ -230,7 +230,7 @@ rule chapter:
         "environment.yml"
     shell:
         "python workflow/chapter.py {input.text} {output.markdown} {output.typst} 2> {log}"
-        " && python workflow/seal.py {output} 2>> {log}"
+        " && python workflow/seal.py {output} 2>> {log} || python workflow/failed.py {log} $?"
 
 
 rule report:
@@ -240,8 +240,8 @@ rule report:
         chapters=expand("build/chapters/{chapter}.typ", chapter=build.texts()),
         figures=expand("build/figures/{name}.svg", name=build.figures_in_chapters()),
         moving=lambda wildcards: build.moving_in_chapters() if wildcards.form == "html" else [],
-        works=build.source("chapters/references.bib"),
-        title=build.source("CITATION.cff"),
+        works=inventory.source("chapters/references.bib"),
+        title=inventory.source("CITATION.cff"),
         tools=lambda wildcards: build.report_tools(wildcards.form),
     output:
         report("build/report.{form}", category="Report"),
@@ -255,7 +255,7 @@ rule report:
         "environment.yml"
     shell:
         "python workflow/report.py {output} {params.source} 2> {log}"
-        " && python workflow/seal.py {output} 2>> {log}"
+        " && python workflow/seal.py {output} 2>> {log} || python workflow/failed.py {log} $?"
 
 
 include: "workflow/campaign.smk"

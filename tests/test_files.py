@@ -65,6 +65,12 @@ def test_a_folder_that_is_none_is_refused(name: str, tmp_path: Path) -> None:
         writable(tmp_path / name)
 
 
+def test_a_folder_that_is_locked_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "access", lambda path, mode: Path(path) != tmp_path)  # root may write everywhere
+    with pytest.raises(ValueError, match=r"new/out cannot be written: this is not permitted in \S+$"):
+        writable(tmp_path / "new" / "out")
+
+
 @pytest.mark.parametrize("name", ["", ".", "/", ".."])
 def test_a_name_that_is_none_is_refused(name: str) -> None:
     with pytest.raises(ValueError, match=r"must have a name|is a folder"):

@@ -7,7 +7,6 @@ import json
 import os
 import re
 import shlex
-import signal
 import sys
 from collections.abc import Iterable, Mapping
 from functools import cache
@@ -16,6 +15,7 @@ from typing import Any
 
 import campaign
 import closure
+import failed
 import inventory
 import provenance
 import report
@@ -48,19 +48,9 @@ def settle_environment() -> None:
 def repeat_failures(logs: Iterable[str]) -> None:
     """At the end what was said minutes ago: which jobs failed, each with the sentence that says why."""
     told = "".join(Path(log).read_text("utf-8", errors="replace") for log in logs)
-    statuses = dict(re.findall(r"^Command '.*? 2> (\S+) .*' (returned non-zero exit status \d+|died with .*)\.$", told, re.M))
+    statuses = dict(re.findall(r"^Command '.*? 2> (\S+) .*' returned non-zero exit status (\d+)\.$", told, re.M))
     for name in dict.fromkeys(re.findall(r"^    log: (\S+)", told, re.M)):
-        print(f"{name}: {last_words(Path(name), statuses.get(name, ''))}", file=sys.stderr)
-
-
-def last_words(log: Path, status: str) -> str:
-    """Why a job failed: the first line it wrote, the last one of a traceback, or which signal ended it."""
-    number = int(re.search(r"\d+|$", status)[0] or 0)  # type: ignore[index]
-    if number > 128 or "died" in status:
-        return f"the job was killed ({signal.Signals(number % 128).name}); start the build again"
-    text = log.read_text("utf-8", errors="replace") if log.exists() else ""
-    said = [line for line in text.splitlines() if line.strip()] or [f"the job {status or 'ended'} without a word"]
-    return said[-1] if said[0].startswith("Traceback") else said[0]
+        print(failed.words(Path(name), int(statuses.get(name, 1))).splitlines()[0], file=sys.stderr)
 
 
 def digest(value: object) -> str:
@@ -68,15 +58,8 @@ def digest(value: object) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-def source(name: str) -> str:
-    """A file that people write, as an input: where it is gone, what was made of it does not stand in for it."""
-    if not Path(name).is_file():
-        inventory.fault(f"{name} is missing: `git checkout {name}` brings it back.")
-    return name
-
-
 def digest_of(name: str) -> str:
-    return hashlib.sha256(Path(source(name)).read_bytes()).hexdigest()[:16]
+    return hashlib.sha256(Path(inventory.source(name)).read_bytes()).hexdigest()[:16]
 
 
 def products() -> list[str]:

@@ -27,7 +27,7 @@ rule measure:
     shell:
         "MICROFACET_THREADS={threads} python {input.script} measure {wildcards.entry} {wildcards.first} {wildcards.last}"
         " {output} 2> {log}"
-        " && python workflow/seal.py {output} 2>> {log}"
+        " && python workflow/seal.py {output} 2>> {log} || python workflow/failed.py {log} $?"
 
 
 rule gather:
@@ -44,4 +44,4 @@ rule gather:
         "../environment.yml"
     shell:
         "python {input.script} gather {output} {input.shards} 2> {log}"
-        " && python workflow/seal.py {output} 2>> {log}"
+        " && python workflow/seal.py {output} 2>> {log} || python workflow/failed.py {log} $?"

@@ -25,7 +25,7 @@ LONGEST_CELL = 4
 
 def complaints(path: Path) -> list[str]:
     """What the build would lose without a word, and what our own rules forbid, by line."""
-    text = path.read_text("utf-8")
+    text = inventory.text_of(path)
     found = [(m.start(), f"the directive {{{m[1]}}} is not {{code-cell}}") for m in DIRECTIVE.finditer(text)
              if m[1] != "code-cell"]  # fmt: skip
     found += [(at, f"{what} is never closed") for at, what in fences.unclosed(text)]
@@ -55,7 +55,7 @@ def read_notebook(path: Path) -> Any:
     """The chapter as a notebook, with one hidden cell for the inline values of each prose cell."""
     import jupytext
 
-    notebook = jupytext.reads(inventory.body_of(path.read_text("utf-8")), fmt="md:myst")
+    notebook = jupytext.reads(inventory.body_of(inventory.text_of(path)), fmt="md:myst")
     cells = []
     for cell in notebook.cells:
         values = inventory.INLINE.findall(cell.source) if cell.cell_type == "markdown" else []
@@ -107,7 +107,7 @@ def place_of_error(path: Path, notebook: Any) -> str:
     """File and line of the cell that failed: the last one that was begun."""
     begun = [cell for cell in notebook.cells if cell.cell_type == "code" and cell.execution_count]
     failed = begun[-1] if begun else notebook.cells[0]
-    text = path.read_text("utf-8")
+    text = inventory.text_of(path)
     if "inline" in failed.metadata.get("tags", []):
         after = notebook.cells[notebook.cells.index(failed) + 1]
         values = ", ".join("{{" + value + "}}" for value in inventory.INLINE.findall(after.source))

@@ -43,6 +43,21 @@ def withdraw() -> None:
         report.unlink(missing_ok=True)
 
 
+def source(name: str) -> str:
+    """A file that people write: where it is gone, what was made of it does not stand in for it."""
+    if not Path(name).is_file():
+        fault(f"{name} is missing: `git checkout {name}` brings it back.")
+    return name
+
+
+def text_of(path: Path) -> str:
+    """The text of such a file."""
+    try:
+        return Path(source(str(path))).read_text("utf-8")
+    except ValueError as error:
+        fault(f"{path} is no text in UTF-8: {error}.")
+
+
 def said(error: Exception) -> str:
     """What an error says, with the file and line of a source that is no Python."""
     if isinstance(error, SyntaxError) and error.filename:
@@ -97,7 +112,7 @@ def stage(key: str) -> str:
 
 def digest_of_library() -> str:
     digest = hashlib.sha256(sys.version.encode())
-    for path in [*sorted(closure.whole_package()), Path("requirements.lock")]:
+    for path in [*sorted(closure.whole_package()), Path(source("requirements.lock"))]:
         digest.update(str(path).encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()
 
@@ -183,9 +198,11 @@ def figures() -> dict[str, Figure]:
 
 def read_figure(script: Path) -> Figure | None:
     try:
-        tree = ast.parse(script.read_text("utf-8"))
+        tree = ast.parse(text_of(script))
     except SyntaxError as error:
         fault(f"{script}, line {error.lineno}: {error.msg}.")
+    except ValueError as error:
+        fault(f"{script}: {error}.")
     slides, models = constants(tree, "SLIDES"), constants(tree, "MODEL")
     if not slides or script.stem.endswith("_data"):
         return None
@@ -285,7 +302,7 @@ def code_of(body: str) -> str:
 
 
 def read_chapter(path: Path) -> Chapter:
-    text = path.read_text("utf-8")
+    text = text_of(path)
     inline = ["(" + split_format(found)[0] + ")" for found in INLINE.findall(CELL.sub("", text))]
     trees = [(part, parsed(part)) for part in [*cells_of(text), *inline]]
     good = [(part, tree) for part, tree in trees if tree is not None]

@@ -6,6 +6,8 @@ import subprocess
 import tomllib
 from pathlib import Path
 
+import inventory
+
 
 def git(*arguments: str) -> str | None:
     """What git answers, or None where there is no git or no repository."""
@@ -17,7 +19,11 @@ def git(*arguments: str) -> str | None:
 
 
 def version() -> str:
-    return str(tomllib.loads(Path("pyproject.toml").read_text("utf-8"))["project"]["version"])
+    path = Path("pyproject.toml")
+    try:
+        return str(tomllib.loads(inventory.text_of(path))["project"]["version"])
+    except (ValueError, LookupError, TypeError) as error:
+        inventory.fault(f"{path} does not state the project's version: {error}.")
 
 
 def provenance() -> dict[str, str]:

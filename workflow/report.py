@@ -29,7 +29,7 @@ CITATION = re.compile(r"#cite\(<([^>]+)>|(?<![\w\\.])@([A-Za-z](?:[\w:-]*\w)?)")
 
 def works() -> list[str]:
     """The keys of the bibliography."""
-    return re.findall(r"^@\w+\{([^,\s]+),", WORKS.read_text("utf-8"), re.M)
+    return re.findall(r"^@\w+\{([^,\s]+),", inventory.text_of(WORKS), re.M)
 
 
 def fragments() -> dict[str, str]:
@@ -61,11 +61,17 @@ def missing(kind: str, names: list[str], known: Iterable[str]) -> list[str]:
     return [inventory.unknown(kind, name, known) for name in dict.fromkeys(names) if name not in known]
 
 
+def cited(path: Path) -> dict[str, object]:
+    try:
+        citation = yaml.safe_load(inventory.text_of(path))
+        return {"title": citation["title"], "authors": [author["name"] for author in citation["authors"]]}
+    except (yaml.YAMLError, LookupError, TypeError):
+        inventory.stop(f"{path} must name a title, and authors each by a name.")
+
+
 def facts(options: argparse.Namespace) -> dict[str, object]:
-    citation = yaml.safe_load(Path("CITATION.cff").read_text("utf-8"))
     return {
-        "title": citation["title"],
-        "authors": [author["name"] for author in citation["authors"]],
+        **cited(Path("CITATION.cff")),
         "version": options.version,
         "commit": options.commit,
         "tree": options.tree,
@@ -115,26 +121,28 @@ def parse() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def refuse_broken_parts() -> None:
-    """A torn text would blame its chapter, and a torn picture Typst."""
-    figures = {name for chapter in inventory.chapters().values() for name in chapter.named("figure")}
-    pictures = [BUILD / "figures" / f"{name}{ending}" for name in figures for ending in (".svg", ".moving.svg")]
-    parts = [*(BUILD / "chapters").glob("*.typ"), *(path for path in pictures if path.exists()), BUILD / "ledger.json"]
+def refuse_broken_parts(medium: str) -> None:
+    """A torn text would blame its chapter, a torn picture Typst. What moves is for the web only, and may not be made yet."""
+    known = inventory.figures()
+    shown = [known[name] for one in inventory.chapters().values() for name in one.named("figure") if name in known]
+    texts = [BUILD / "chapters" / f"{stem}.typ" for stem in (*inventory.chapters(), ABSTRACT)]
+    pictures = [BUILD / "figures" / f"{figure.name}.svg" for figure in shown]
+    moving = [Path(figure.moving) for figure in shown if figure.moves and medium == "web"]
     try:
-        seal.refuse_broken(parts)
+        seal.refuse_broken([*texts, *pictures, *moving, BUILD / "ledger.json"])
     except ValueError as fault:
         inventory.stop(str(fault))
 
 
 def main() -> None:
     options = parse()
-    refuse_broken_parts()
+    medium = medium_of(options.out)
+    refuse_broken_parts(medium)
     texts = fragments()
     faults = list(loose_ends(texts, works()))
     if faults:
         inventory.stop("\n".join(faults))
     inventory.write_atomically(BUILD / "report.json", json.dumps(facts(options), indent=1, ensure_ascii=False))
-    medium = medium_of(options.out)
     source = BUILD / f"{medium}.typ"
     inventory.write_atomically(source, main_file(list(texts), medium))
     made = typeset(source, medium)

@@ -27,7 +27,7 @@ KINDS = {
 def writable(path: str | Path) -> Path:
     """``path``, if a file can be put there: where nothing is, or a plain file. To be asked before the work starts.
 
-    ValueError, in one sentence, if there is a link, a folder, a device, a pipe or a socket, or if its folder is none.
+    ValueError, in one sentence, if there is a link, a folder, a device, a pipe or a socket, or if its folder is none or locked.
     """
     path = Path(path)
     if not path.name:
@@ -36,6 +36,8 @@ def writable(path: str | Path) -> Path:
     folder = next(parent for parent in path.absolute().parents if os.path.lexists(parent))
     if not folder.is_dir():
         raise ValueError(f"{path} cannot be written: {folder} is no folder")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise ValueError(f"{path} cannot be written: this is not permitted in {folder}")
     return path
 
 

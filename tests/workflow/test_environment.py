@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
@@ -86,3 +88,18 @@ def test_an_old_python_is_one_sentence(tmp_path: Path) -> None:
     assert "is Python 3.10, but this needs 3.11 or newer" in done.stderr
     assert done.stderr.count("\n") == 1
     assert not (tmp_path / ".venv").exists()
+
+
+def test_a_checkout_whose_name_the_locale_does_not_know_finds_its_library(tmp_path: Path) -> None:
+    checkout = tmp_path / "ünï"
+    (checkout / "lib").mkdir(parents=True)
+    (checkout / "lib" / "there.py").write_text("print('here')")
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", ".venv"], cwd=checkout, check=True)
+    (packages,) = checkout.glob(".venv/lib/python*/site-packages")
+    (packages / "microfacet.pth").write_text(f"{checkout}/lib\n", "utf-8")
+    (line,) = [line for line in (ROOT / "workflow/environment.sh").read_text().splitlines() if line.startswith("for path")]
+    subprocess.run(["sh", "-c", line], cwd=checkout, check=True)
+    plain = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "LC_", "LANG"))}
+    command = [".venv/bin/python", "-c", "import there"]
+    done = subprocess.run(command, cwd=checkout, env=plain | {"LC_ALL": "C"}, capture_output=True, text=True, check=False)
+    assert (done.stdout, done.stderr) == ("here\n", "")

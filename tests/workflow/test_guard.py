@@ -266,6 +266,11 @@ def test_what_one_figure_needs_is_looked_at_too(built: Checkout) -> None:
         ("records/ledger.json", "", "records/ledger.json is missing, torn or empty"),
         ("records/ledger.json", "[]", "records/ledger.json is missing, torn or empty"),
         ("chapters/references.bib", None, "chapters/references.bib is missing: `git checkout"),
+        ("requirements.lock", None, "requirements.lock is missing: `git checkout"),
+        ("pyproject.toml", "[project", "pyproject.toml does not state the project's version"),
+        ("chapters/1_visibility.md", "\udcff", "chapters/1_visibility.md is no text in UTF-8"),
+        ("figures/visibility/plain.py", "\udcff", "figures/visibility/plain.py is no text in UTF-8"),
+        ("lib/microfacet/geometry/ggx.py", "\udcff", "The library in lib/ cannot state its equations: "),
         ("lib/microfacet/geometry/ggx.py", "def", "lib/microfacet/geometry/ggx.py, line 1: "),
         ("lib/microfacet/__init__.py", "def", "lib/microfacet/__init__.py, line 1: "),
         ("figures/visibility/plain.py", "def", "figures/visibility/plain.py, line 1: "),
@@ -278,7 +283,7 @@ def test_a_source_that_is_gone_or_broken_takes_the_report_away(
     if text is None:
         built.path(name).unlink()
     else:
-        built.path(name).write_text(text)
+        built.path(name).write_text(text, "utf-8", errors="surrogateescape")
         os.utime(built.path(name), ns=(0, 0))  # older than all that was made of it
     done = built.snakemake()
     built.path(name).write_text(kept)
@@ -292,14 +297,19 @@ def test_a_source_that_is_gone_or_broken_takes_the_report_away(
 
 
 @pytest.mark.slow
-def test_a_job_that_is_killed_is_named_at_the_end(built: Checkout) -> None:
-    script = "figures/visibility/plain.py"
-    kept = built.path(script).read_text()
-    built.path(script).write_text(f"{kept}\nimport os\nos.kill(os.getpid(), 9)\n")
+def test_jobs_that_are_killed_or_break_are_named_without_a_traceback(built: Checkout) -> None:
+    broken = {"plain": "import os\nos.kill(os.getpid(), 9)\n", "masking": "1 / 0\n"}
+    kept = {name: built.path(f"figures/visibility/{name}.py").read_text() for name in broken}
+    for name, code in broken.items():
+        built.path(f"figures/visibility/{name}.py").write_text(kept[name] + code)
     done = built.snakemake()
-    built.path(script).write_text(kept)
+    for name, text in kept.items():
+        built.path(f"figures/visibility/{name}.py").write_text(text)
     assert done.returncode != 0
-    assert "build/logs/figure/plain.log: the job was killed (SIGKILL); start the build again" in done.stdout[-600:]
+    assert "Traceback" not in done.stdout
+    end = done.stdout[done.stdout.rindex("Exiting because a job execution failed") :]
+    assert "build/logs/figure/plain.log: the job was killed (SIGKILL); start the build again\n" in end
+    assert "build/logs/figure/masking.log: ZeroDivisionError: division by zero (the log says where)\n" in end
     assert not built.path("build/report.pdf").exists()
     assert built.snakemake().returncode == 0
 
