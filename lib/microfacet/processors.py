@@ -121,7 +121,7 @@ class _Strips:
     def __init__(self, work: Callable[[int, int], bool], count: int, pace: Pace) -> None:
         self.work, self.left, self.pace, self.good, self.lock = work, count, pace, True, Lock()
         self.threads = threads()
-        number = min(STRIPS, count)
+        number = 1 if pace.certain and count * pace.seconds < PIECE else min(STRIPS, count)
         edges = (count * k // number for k in range(number + 1))
         self.strips = [_Strip(start, stop, pace.seconds) for start, stop in pairwise(edges)]
         self.waiting = deque(self.strips)
@@ -148,8 +148,9 @@ class _Strips:
         return True
 
     def _size(self) -> int:
-        fair = max(QUICK / self.slowest(), self.left / (4 * self.threads))
-        return max(1, int(min(PIECE / self.slowest(), fair)))
+        pace = self.slowest()
+        fair = max(QUICK / 2 / pace, self.left / (4 * self.threads)) if self.threads > 1 else self.left
+        return max(1, int(min(PIECE / pace, fair)))
 
     def slowest(self) -> float:
         return max((strip.pace for strip in self.waiting), default=self.pace.least)
