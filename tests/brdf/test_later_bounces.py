@@ -105,3 +105,16 @@ def test_later_bounces_keep_what_is_totally_reflected(alpha: float) -> None:
     truth = walk.albedo_by_bounce(wo, 1 << 20, 3, orders=1)
     assert abs((value - once) - truth.more) < error - known + SIGMAS * truth.more_error
     assert error - known < 0.01
+
+
+@pytest.mark.parametrize("eta", [0.23, 1 / 1.5])
+@pytest.mark.parametrize("degrees", [0.0, 70.0])
+def test_total_reflection_leaves_the_albedo_that_walks_have(eta: float, degrees: float) -> None:
+    """All bounces at once: the quadrature of the first must be right across the kink too."""
+    wo = spherical(np.radians(degrees))
+    walk = mf.RandomWalk(mf.Smith(mf.GGX(0.3)), mf.Dielectric(eta))
+    value, error = walk.albedo(wo)
+    truth = walk.albedo_by_bounce(wo, 1 << 20, 3, orders=1)
+    whole, scatter = truth.value[0] + truth.more, float(np.hypot(truth.error[0], truth.more_error))
+    assert abs(value - whole) < error + SIGMAS * scatter
+    assert error < 2e-3
