@@ -213,14 +213,20 @@ def shared_out(copies: Sequence[Copy], jobs: Sequence[Any], work: Any) -> list[A
 
 
 def chosen(place: Place, known: Iterable[Watched], suite: str) -> list[Watched]:
-    """The test files that may find a mistake there: the mirror first, then the quickest."""
-    able = [one for one in known if one.suite == suite and _calls(one, place)]
+    """The test files that may find a mistake there: the mirror first, then the quickest.
+
+    They call the function. What is compiled as a whole is called by nobody who could be watched: then, those that call another
+    function of the file, if only to import it.
+    """
+    asked = [one for one in known if one.suite == suite]
+    calls = [one for one in asked if _starts(one, place) or place.function in one.touched.get(place.file, ())]
+    others = [one for one in asked if set(one.touched.get(place.file, ())) - {""}]
+    able = calls or others or [one for one in asked if place.file in one.touched]
     return sorted(able, key=lambda one: (not _mirrors(one.file, place.file), one.seconds))
 
 
-def _calls(one: Watched, place: Place) -> bool:
-    starts = place.file.startswith("workflow/") and one.file.startswith(BUILDERS)
-    return starts or place.function in one.touched.get(place.file, ())
+def _starts(one: Watched, place: Place) -> bool:
+    return place.file.startswith("workflow/") and one.file.startswith(BUILDERS)
 
 
 def _mirrors(test: str, file: str) -> bool:
