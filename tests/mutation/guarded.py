@@ -48,6 +48,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 EQUIVALENTS = HERE / "equivalents.toml"
 ENOUGH = 0.95
+ANY = "*"
 LEFT = shutil.ignore_patterns(
     "build", "dist", ".git", ".venv", ".snakemake", "__pycache__", ".pytest_cache", ".mypy_cache", ".ruff_cache", "*.egg-info"
 )
@@ -175,7 +176,7 @@ def digests(root: Path) -> dict[str, str]:
     return {test: hashlib.sha256((root / test).read_bytes() + others.digest()).hexdigest()[:16] for test in tests}
 
 
-def record(root: Path, copies: Sequence[Copy], suites: Sequence[str]) -> list[Watched]:
+def record(root: Path, copies: Sequence[Copy], suites: Sequence[str], tests: Sequence[str]) -> list[Watched]:
     """By file and suite, kept under build/ for as long as nothing changes that decides it."""
     kept = root / "build" / "mutants" / "watched.json"
     kept.parent.mkdir(parents=True, exist_ok=True)
@@ -183,7 +184,7 @@ def record(root: Path, copies: Sequence[Copy], suites: Sequence[str]) -> list[Wa
     known = [Watched(**one) for one in json.loads(kept.read_text("utf-8"))] if kept.exists() else []
     known = [one for one in known if now.get(one.file) == one.digest]
     have = {(one.file, one.suite) for one in known}
-    missing = [(file, suite) for suite in suites for file in now if (file, suite) not in have]
+    missing = [(file, suite) for suite in suites for file in tests if (file, suite) not in have]
 
     def one(copy: Copy, job: tuple[str, str]) -> Watched:
         found = watch(copy, *job)
@@ -191,7 +192,7 @@ def record(root: Path, copies: Sequence[Copy], suites: Sequence[str]) -> list[Wa
 
     known += shared_out(copies, missing, one)
     kept.write_text(json.dumps([asdict(one) for one in known]), "utf-8")
-    return known
+    return [one for one in known if one.file in tests]
 
 
 def shared_out(copies: Sequence[Copy], jobs: Sequence[Any], work: Any) -> list[Any]:
@@ -212,14 +213,20 @@ def shared_out(copies: Sequence[Copy], jobs: Sequence[Any], work: Any) -> list[A
 
 
 def chosen(place: Place, known: Iterable[Watched], suite: str) -> list[Watched]:
-    """The test files that may find a mistake there: the mirror first, then the quickest."""
-    able = [one for one in known if one.suite == suite and _calls(one, place)]
+    """The test files that may find a mistake there: the mirror first, then the quickest.
+
+    They call the function. What is compiled as a whole is called by nobody who could be watched: then, those that call another
+    function of the file, if only to import it.
+    """
+    asked = [one for one in known if one.suite == suite]
+    calls = [one for one in asked if _starts(one, place) or place.function in one.touched.get(place.file, ())]
+    others = [one for one in asked if set(one.touched.get(place.file, ())) - {""}]
+    able = calls or others or [one for one in asked if place.file in one.touched]
     return sorted(able, key=lambda one: (not _mirrors(one.file, place.file), one.seconds))
 
 
-def _calls(one: Watched, place: Place) -> bool:
-    starts = place.file.startswith("workflow/") and one.file.startswith(BUILDERS)
-    return starts or place.function in one.touched.get(place.file, ())
+def _starts(one: Watched, place: Place) -> bool:
+    return place.file.startswith("workflow/") and one.file.startswith(BUILDERS)
 
 
 def _mirrors(test: str, file: str) -> bool:
@@ -246,8 +253,14 @@ def _change(old: str, new: str) -> tuple[str, str]:
     return next(sides), next(sides)
 
 
+def reason(outcome: Outcome, why: dict[tuple[str, str, str], str]) -> str:
+    """Why a mutant changes nothing, if that was reviewed."""
+    file, old = outcome.place.file, outcome.old
+    return why.get((file, old, outcome.new)) or why.get((file, old, ANY)) or ""
+
+
 def equivalents(path: Path = EQUIVALENTS) -> dict[tuple[str, str, str], str]:
-    """(file, line, what it becomes) -> why that changes nothing."""
+    """(file, line, what it becomes) -> why that changes nothing; "*" stands for whatever it becomes."""
     found = tomllib.loads(path.read_text("utf-8")).get("equivalent", []) if path.exists() else []
     return {(one["file"], one["old"], one["new"]): one["why"] for one in found}
 
@@ -272,20 +285,20 @@ def judge(copy: Copy, outcome: Outcome, text: str, known: Sequence[Watched], sui
 
 def run(
     root: Path, number: int, seed: int, among: Sequence[str] = ("",), suites: Sequence[str] = SUITES, workers: int = 2,
-    why: dict[tuple[str, str, str], str] | None = None, patience: float = PATIENCE,
+    why: dict[tuple[str, str, str], str] | None = None, patience: float = PATIENCE, tests: Sequence[str] = (),
 ) -> list[Outcome]:  # fmt: skip
     """Draw, judge and return; each outcome is printed as it comes."""
     with tempfile.TemporaryDirectory(prefix="mutants", ignore_cleanup_errors=True) as folder:
         kernels = Path(folder) / "kernels"
         kernels.mkdir()
         copies = [Copy(root, Path(folder) / f"copy{k}" / "checkout", kernels, patience) for k in range(workers)]
-        known = record(root, copies, suites)
+        known = record(root, copies, suites, tests or test_files(root))
         for test in sorted(test for one in known for test in one.failed):
             print(f"fails without any mistake, and is left out: {test}")
 
         def one(copy: Copy, job: tuple[Outcome, str]) -> Outcome:
             outcome = judge(copy, *job, known, suites)
-            outcome.why = (why or {}).get((outcome.place.file, outcome.old, outcome.new), "")
+            outcome.why = reason(outcome, why or {})
             print(told(outcome), flush=True)
             return outcome
 
