@@ -44,14 +44,19 @@ def ward_D(x: Any, y: Any, z: Any, alpha_x: Any, alpha_y: Any) -> Any:
     return mp.exp(-_tangent_squared(x, y, z, alpha_x, alpha_y)) / (mp.pi * alpha_x * alpha_y)
 
 
+def _cosine(x: Any, y: Any, z: Any) -> Any:
+    """Of the polar angle: rounding leaves a vector of not quite unit length."""
+    return z / mp.sqrt(x * x + y * y + z * z)
+
+
 @exactly
 def blinn_phong_D(x: Any, y: Any, z: Any, n: Any) -> Any:
-    return z**n
+    return _cosine(x, y, z) ** n
 
 
 @exactly
 def normalized_blinn_phong_D(x: Any, y: Any, z: Any, n: Any) -> Any:
-    return (n + 2) / (2 * mp.pi) * z**n
+    return (n + 2) / (2 * mp.pi) * _cosine(x, y, z) ** n
 
 
 @exactly

@@ -26,7 +26,7 @@ EDGES = (NOTHING, 1e-12, 1e-6, 1e-3, 1 - 1e-3, 1 - 1e-6, 1 - 1e-12)  # of s: fro
 
 def shares(real: type) -> np.ndarray:
     """Both ends by powers of ten, the middle evenly."""
-    ends = 10.0 ** -np.arange(1, 29 if real is np.float64 else 28)
+    ends = 10.0 ** -np.arange(1, 29 if real is np.float64 else 13)
     below = 1 - 10.0 ** -np.arange(1, 16 if real is np.float64 else 7)
     last = LAST if real is np.float64 else LAST_SINGLE
     return np.unique(np.concatenate([ends, np.linspace(0.02, 0.98, 17), below, [last]]).astype(real))

@@ -15,7 +15,7 @@ from microfacet.kernels import ByPrecision
 from microfacet.special_functions import FINE, exponential_within, logarithm_about, scaled_erfc
 
 SQRT_PI = 1.7724538509055161
-LEAST = ByPrecision(double=1e-30, single=1e-10)  # a smaller share counts as this: no random number but 0 is smaller
+LEAST = ByPrecision(double=1e-30, single=1e-13)  # a smaller share counts as this: no random number but 0 is smaller
 FAR = 8.5  # from here on the edge of visibility hides nothing that rounding shows
 NOTHING = 1e-18
 MIDDLE = ByPrecision(double=1.45, single=0.0)  # where rounding rules, next to the edge of visibility, a step may
