@@ -26,7 +26,7 @@ DOUBT = 1e-3  # of what is apart
 INSIDE = 1e-6  # of a panel's side: slopes are infinite at an edge
 STRIPED = 4.0  # how many times more a density changes along one side of a panel than along the other for it to have stripes
 MISSING = 1e-9  # area not found for which a closer look is taken
-ENOUGH = 3e-14  # of the whole: what a panel may be off by where fewer nodes are taken
+ENOUGH = 1e-14  # of the whole: what a panel may be off by where fewer nodes are taken
 
 # X, Y and W as sums of 1, u and v for each square: the slopes are X/W and Y/W in units of the scale
 SQUARES = (

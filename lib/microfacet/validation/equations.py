@@ -159,7 +159,9 @@ def _resting(ndf: Distribution, views: np.ndarray) -> str:
     polar = len(np.unique(np.round(views[:, 2], 9)))
     azimuths = np.unique(np.round(np.degrees(np.arctan2(views[:, 1], views[:, 0])) % 360, 6))
     gaps = np.diff([*azimuths, azimuths[0] + 360])
-    symmetry = "isotropy, declared and checked" if ndf.isotropic else f"no symmetry, azimuths at most {gaps.max():.0f} degrees apart"
+    symmetry = (
+        "isotropy, declared and checked" if ndf.isotropic else f"no symmetry, azimuths at most {gaps.max():.0f} degrees apart"
+    )
     return f"{len(views)} views, {polar} polar angles, {len(azimuths)} azimuths; {symmetry}"
 
 
@@ -201,7 +203,12 @@ INTEGRALS = ("projected_area", "visible_area", "visible_norm", "weak_furnace")
 
 def _of(found: list[Sight], equation: str) -> tuple[np.ndarray, np.ndarray]:
     """Residuals of one of the three equations that depend on the view, and their errors."""
-    sums = np.array([getattr(sight, {"visible_area": "area", "visible_norm": "norm", "weak_furnace": "furnace"}[equation]) for sight in found])
+    sums = np.array(
+        [
+            getattr(sight, {"visible_area": "area", "visible_norm": "norm", "weak_furnace": "furnace"}[equation])
+            for sight in found
+        ]
+    )
     return sums[:, 0] - 1, sums[:, 1]
 
 
@@ -269,7 +276,9 @@ def _pair_verdicts(sights: Sights, tolerance: float) -> list[Verdict]:
     positive_pairs = _pair_verdict("positivity", np.minimum(there / scale, 0), wo, wi, tolerance, seen)
     if -negative < positive_pairs.residual:
         verdict = decide(np.array([-negative]), np.array([ROUNDING]), tolerance)
-        positive_pairs = Verdict("positivity", verdict, -negative, ROUNDING, _degrees("m", normal), f"{seen}, and the area of D below 0")
+        positive_pairs = Verdict(
+            "positivity", verdict, -negative, ROUNDING, _degrees("m", normal), f"{seen}, and the area of D below 0"
+        )
     return [positive_pairs, _pair_verdict("reciprocity", (there - back) / scale, wo, wi, tolerance, seen)]
 
 

@@ -20,7 +20,7 @@ from microfacet.material.reflection import reflected
 from microfacet.visibility.masking import Masking, visible_normals
 
 ROUNDING = 1e-13  # of a sum of some 10^4 terms
-DRAWN = 32  # normals, seen from a view, at which light is followed; where that does not decide, 32 times as many
+DRAWN, MORE = 32, 256  # normals, seen from a view, at which light is followed, and where these do not decide
 CLOSE = 1e-12  # what G2 may exceed G1 by, of it
 SURE = 4.0  # standard deviations
 _MAPS = np.array(SQUARES)
@@ -165,7 +165,9 @@ def trapezoids(boxes: np.ndarray, lines: np.ndarray) -> tuple[np.ndarray, np.nda
     with np.errstate(divide="ignore", invalid="ignore"):
         ends = [np.nan_to_num(-(one + along * end) / aside, nan=0.0, posinf=1e30, neginf=-1e30) for end in (low, high)]
         breaks = np.sort(np.concatenate([[first, last], *(np.clip(end, first, last) for end in ends)]), axis=0)
-        box, start, width = (part.ravel() for part in np.broadcast_arrays(np.arange(len(boxes)), breaks[:-1], np.diff(breaks, axis=0)))
+        box, start, width = (
+            part.ravel() for part in np.broadcast_arrays(np.arange(len(boxes)), breaks[:-1], np.diff(breaks, axis=0))
+        )
         kept = width > 0
         box, start, width = box[kept], start[kept], width[kept]
         b = start[:, None] + width[:, None] * nodes
@@ -223,7 +225,7 @@ class _Drawn:
 
         If G2 nowhere exceeds G1 it is no more than what is seen, however few normals are drawn.
         """
-        for count in (DRAWN, DRAWN**2):
+        for count in (DRAWN, MORE):
             ratios = self._on(self._draw(count))
             spread = SURE * float(ratios.std()) / np.sqrt(count) + 1 / count * float(np.ptp(ratios) > 0)
             value = area * float(ratios.mean())
