@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,7 @@ import numpy as np
 from microfacet.directions import as_vectors, one_of, positive, spherical
 from microfacet.geometry.panels import Panels
 from microfacet.geometry.slopes import Distribution
-from microfacet.validation.over_panels import ROUNDING, Kernels, Sight, Sights, kernels_of
+from microfacet.validation.over_panels import ROUNDING, Kernels, Sight, Sights
 from microfacet.visibility.masking import Masking
 
 TOLERANCE = 1e-9  # what a relative residual may be and still count as rounding and quadrature
@@ -179,9 +178,8 @@ def _refuse_preferred(ndf: Distribution, sights: Sights) -> None:
     worst = int(np.argmax(apart))
     if apart[worst] > ALIKE:
         theta = np.degrees(np.arctan2(np.hypot(x[worst], y[worst]), z[worst]))
-        raise ValueError(
-            f"{ndf!r} says that it is isotropic, but its D differs by {apart[worst]:.1%} between azimuths at theta_m = {theta:.4g}"
-        )
+        differs = f"its D differs by {apart[worst]:.1%} between azimuths at theta_m = {theta:.4g}"
+        raise ValueError(f"{ndf!r} says that it is isotropic, but {differs}")
 
 
 def _above(wo: Any) -> np.ndarray:

@@ -1,8 +1,9 @@
 """The validation equations of any model over any distribution: sums over panels of its slopes, cut by the edge of visibility.
 
-Panels on which D is as good as a polynomial are kept once for all views. From each view those that the edge of visibility cuts, or the
-line opposite, where V-cavities begin to mask, are cut in trapezoids and integrated anew. Errors are told by how the coefficients of
-the integrand fall on each piece. Only small kernels are compiled: D, what the model needs to know of a direction, G1 and G2.
+Panels on which D is as good as a polynomial are kept once for all views. From each view those that the edge of visibility cuts,
+or the line opposite, where V-cavities begin to mask, are cut in trapezoids and integrated anew. The errors follow from how the
+coefficients of the integrand fall on each piece. Only small kernels are compiled: D, what the model needs to know of a
+direction, G1 and G2.
 """
 
 from __future__ import annotations
@@ -13,7 +14,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from microfacet.arithmetic import two_sum
-from microfacet.directions import vectors
 from microfacet.geometry.panels import SQUARES, density_at, falling, rule, slopes_at
 from microfacet.kernels import Batch
 from microfacet.material.reflection import reflected
@@ -46,7 +46,7 @@ def kernels_of(model: Masking) -> Kernels:
 
 
 class Pieces(NamedTuple):
-    """Parts of slope space with nodes. normals: (n, k, k, 3). mass: (n, k, k), the area of facets there, but for the weights."""
+    """Parts of slope space with nodes. normals: (n, k, k, 3). mass: (n, k, k), facets' area there, but for the weights."""
 
     normals: np.ndarray
     mass: np.ndarray
@@ -56,8 +56,8 @@ class Pieces(NamedTuple):
 
 
 class Sight(NamedTuple):
-    """What one view sees. area: what G1 leaves visible, over cos theta_o, and its error. norm, furnace: the same for the integral
-    of D_visible, and for mirrored light without shadowing. albedo: of mirror facets, and its error."""
+    """What one view sees. area: what G1 leaves visible, over cos theta_o, and its error. norm, furnace: the same for the
+    integral of D_visible, and for mirrored light without shadowing. albedo: of mirror facets, and its error."""
 
     area: tuple[float, float]
     norm: tuple[float, float]
@@ -98,7 +98,7 @@ class Sights:
 
     def __call__(self, wo: np.ndarray) -> list[Sight]:
         """Of views (n, 3), above the horizon."""
-        known = self.kernels.view([vectors("wo", wo)], self.kernels.parameters)
+        known = self.kernels.view([wo], self.kernels.parameters)
         return [self._sight(view, float(of_view)) for view, of_view in zip(wo, known, strict=True)]
 
     def _sight(self, wo: np.ndarray, known: float) -> Sight:
@@ -127,7 +127,7 @@ class Sights:
         lines = self._lines(wo)
         if lines is None:
             return [self.whole]
-        square, low, high, first, last = self.found.boxes.T
+        _, low, high, first, last = self.found.boxes.T
         along, across = lines[..., 1], lines[..., 2]
         middle = lines[..., 0] + (along * (low + high) + across * (first + last)) / 2
         reach = (np.abs(along) * (high - low) + np.abs(across) * (last - first)) / 2
@@ -152,10 +152,10 @@ class Sights:
 
 
 def trapezoids(boxes: np.ndarray, lines: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Nodes (m, k, k) on the pieces into which lines (2, n, 3), sums of 1, u and v, cut boxes: those where the first is below 0.
+    """Nodes (m, k, k) on the pieces into which lines (2, n, 3), sums of 1, u and v, cut boxes: where the first is below 0.
 
-    The square of each, u, v, and the area per node. A piece runs from line to line or edge, along the side of its box on which the
-    first line's sum changes more, between the places on the other side where a line enters or leaves.
+    The square of each, u, v, and the area per node. A piece runs from line to line or edge, along the side of its box on which
+    the first line's sum changes more, between the places on the other side where a line enters or leaves.
     """
     nodes = rule()[0]
     size = boxes[:, [2, 4]] - boxes[:, [1, 3]]
