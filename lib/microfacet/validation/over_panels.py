@@ -92,8 +92,8 @@ class Sights:
 
     def _pieces(self, square: np.ndarray, u: np.ndarray, v: np.ndarray, area: np.ndarray) -> Pieces:
         """Nodes at points of the squares. area: that of the squares per node, but for the weights."""
-        scale = self.found.scale
-        normals, density = density_at(self.model.ndf.D, *slopes_at(square, u, v, scale), scale)
+        x, y, w = slopes_at(square, u, v, self.found.scale)
+        normals, density = density_at(self.model.ndf.D, x, y, w, self.found.scale)
         return Pieces(normals, density * area)
 
     def __call__(self, wo: np.ndarray) -> list[Sight]:
@@ -211,7 +211,8 @@ class _Drawn:
         """
         m, o, kernels = self._draw(DRAWN), self.wo, self.sights.kernels
         cosine = m @ o
-        i, rest = two_sum(2 * cosine[:, None] * m, -o)
+        summed: Any = two_sum  # of arrays, too
+        i, rest = summed(2 * cosine[:, None] * m, -o)
         h = o + i + rest
         h /= np.linalg.norm(h, axis=1, keepdims=True)
         at_h, at_m = (kernels.masked([np.array(self.known), o, n], kernels.parameters) for n in (h, m))
