@@ -8,8 +8,9 @@ from typing import Any, ClassVar
 import microfacet as mf
 import numpy as np
 import pytest
+from microfacet.geometry.panels import falling, rule
 from microfacet.geometry.slopes import Distribution, spread
-from microfacet.validation.adaptive import _error, rule, seen_area
+from microfacet.validation.adaptive import seen_area
 from microfacet.validation.equations import residuals
 from samples import UP, views
 from skewed import SKEWED, skewed
@@ -149,11 +150,11 @@ def test_the_error_follows_how_coefficients_fall() -> None:
     at = np.linspace(0.02, 0.98, 1000)
     kinks = np.abs(nodes - at[:, None])
     errors = np.abs(kinks @ weights - (at**2 + (1 - at) ** 2) / 2)
-    told = _error(functionals.T @ kinks.T[None])[0]
+    told = falling(functionals.T @ kinks.T[None])[0]
     assert (errors < 5 * told).all()
     assert np.mean(errors < told) > 0.98
     assert told.max() < 0.02
-    assert _error(functionals.T @ np.exp(-nodes)[None, :, None])[0, 0] < 1e-15
+    assert falling(functionals.T @ np.exp(-nodes)[None, :, None])[0, 0] < 1e-15
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import microfacet as mf
 import numpy as np
 import pytest
 from around import turned_to
-from microfacet.validation.equations import TITLES, Validation, residual, residuals
+from microfacet.validation.equations import THETA, TITLES, Validation, decide, default_views, residual, residuals
 from microfacet.visibility.masking import Masking, nothing
 from samples import views
 from skewed import SKEWED
@@ -148,9 +148,47 @@ def test_each_classic_equation_can_fail(constant: float, slope: float, broken: s
 # --- verdicts -----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize(
+    ("value", "bound", "verdict"),
+    [
+        (2e-9, 5e-10, "fails"),
+        (1.4e-9, 5e-10, "undecided"),
+        (6e-10, 5e-10, "undecided"),
+        (4e-10, 5e-10, "holds"),
+        (0, 2e-9, "undecided"),
+    ],
+)
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_verdict_counts_the_bound_on_either_side(value: float, bound: float, verdict: str, sign: int) -> None:
+    assert decide(np.array([0.0, sign * value]), np.array([0.0, bound]), 1e-9) == verdict
+
+
+def test_of_pairs_only_rounding_is_allowed_for() -> None:
+    found = verdicts(mf.VCavity(BECKMANN))
+    assert (found["positivity"].bound, found["reciprocity"].bound) == (1e-13, 1e-13)
+
+
+def test_views_may_be_off_by_the_rounding_of_single_precision() -> None:
+    assert mf.validate(mf.VCavity(BECKMANN), np.array([0.6, 0, 0.8]) * (1 + 9e-7))["visible_area"].residual < 1e-5
+    with pytest.raises(ValueError, match="wo must be unit vectors, got length 1"):
+        mf.validate(mf.VCavity(BECKMANN), np.array([0.6, 0, 0.8]) * (1 - 1.2e-6))
+
+
+def test_default_views_look_from_many_azimuths_unless_isotropy_is_declared() -> None:
+    one, many = default_views(mf.GGX(0.3)), default_views(mf.GGX(0.3, 0.1))
+    assert len(one) == len(THETA)
+    azimuths = np.sort(np.unique(np.round(np.degrees(np.arctan2(many[:, 1], many[:, 0])) % 360, 6)))
+    assert len(azimuths) > 40
+    assert np.diff([*azimuths, azimuths[0] + 360]).max() < 12.5
+    for found in (one, many):
+        assert set(np.round(np.degrees(np.arccos(found[:, 2])))) == {0, 15, 30, 45, 60, 75, 85, 89}
+
+
 def test_a_bound_above_the_tolerance_decides_nothing() -> None:
     found = mf.validate(mf.Smith(mf.GGX(0.4, 0.2)), SEEN, tolerance=1e-16)
     assert found["visible_area"].verdict == "undecided"
+    assert found["visible_area"].needs.startswith("a tolerance of ")
+    assert mf.validate(mf.Smith(mf.GGX(0.4, 0.2)), SEEN)["visible_area"].needs == ""
     assert not found.holds
 
 
@@ -158,7 +196,7 @@ def test_single_precision_views_are_taken_in_double() -> None:
     views = np.array([[0.6, 0, 0.8], [0.1, 0.2, 0.9746794]], np.float32)
     found = mf.validate(mf.Smith(mf.GGX(0.3)), views)
     assert found.holds
-    assert max(verdict.bound for verdict in found.values()) < 1e-10
+    assert max(verdict.bound for name, verdict in found.items() if name != "energy") < 1e-10
 
 
 def test_verdict_says_where() -> None:
@@ -167,7 +205,12 @@ def test_verdict_says_where() -> None:
     assert found["projected_area"].where == ""
     assert "theta_i" in found["reciprocity"].where
     assert str(found).splitlines()[0] == "Implicit(Beckmann(0.4, 0.4))"
-    assert len(str(found).splitlines()) == len(found) + 1 == 8
+    lines = str(found).splitlines()
+    assert len(lines) == 1 + len(found) + 3
+    assert lines[8].startswith("projected_area: D at ")
+    viewed = "visible_area, visible_norm, weak_furnace, energy"
+    assert lines[9] == f"{viewed}: 5 views, 5 polar angles, 2 azimuths; isotropy, declared and checked"
+    assert lines[10] == "positivity, reciprocity: 20100 pairs of 201 directions"
 
 
 @pytest.mark.parametrize(

@@ -1,15 +1,16 @@
 """Where a distribution of slopes is: panels of slope space, small where it changes, each with its share of the facets.
 
-Nothing is known of the distribution but its values. Slopes in units of a scale are mapped to five squares: those up to one scale
-along both axes as they are, those beyond by the inverse of the larger one. Each map takes straight lines to straight lines, so
-that the edge of visibility, a line in slopes, cuts a panel in a trapezoid. A look at many points finds lobes that lie between the
-nodes of the first panels; panels are halved where the error comes from until all of it is small.
+Nothing is known of the distribution but its values. Slopes in units of a scale are mapped to five squares: those up to one
+scale along both axes as they are, those beyond by the inverse of the larger one. Each map takes straight lines to straight
+lines, so that the edge of visibility, a line in slopes, cuts a panel in a trapezoid. A look at many points finds lobes that lie
+between the nodes of the first panels; panels are halved where the error comes from until all of it is small.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,7 +27,7 @@ DOUBT = 1e-3  # of what is apart
 INSIDE = 1e-6  # of a panel's side: slopes are infinite at an edge
 STRIPED = 4.0  # how many times more a density changes along one side of a panel than along the other for it to have stripes
 MISSING = 1e-9  # area not found for which a closer look is taken
-ENOUGH = 3e-14  # of the whole: what a panel may be off by where fewer nodes are taken
+ENOUGH = 1e-14  # of the whole: what a panel may be off by where fewer nodes are taken
 
 # X, Y and W as sums of 1, u and v for each square: the slopes are X/W and Y/W in units of the scale
 SQUARES = (
@@ -45,9 +46,9 @@ Function = Callable[[np.ndarray], np.ndarray]
 class Panels(NamedTuple):
     """Panels of slope space. scale: the two slopes that are 1 in the squares. boxes: (n, 5), square and ends along u and v.
 
-    moments: (n, 3), of each panel the area of its facets' projection and the integrals of both slopes over it. errors: (n,), of
-    these, where a slope counts in units of the scale. degrees: (n,), of the polynomials in u and v that suffice. evaluations: how
-    often D was evaluated. closest: the distance of points looked at in the finest look, in units of the scale.
+    moments: (n, 3), of each panel the area of its facets' projection and the integrals of both slopes over it. errors: (n,),
+    of these, where a slope counts in units of the scale. degrees: (n,), of the polynomials in u and v that suffice.
+    evaluations: how often D was evaluated. closest: the distance of points in the finest look, in units of the scale.
     """
 
     scale: tuple[float, float]
@@ -142,8 +143,8 @@ def halves(boxes: np.ndarray, across: np.ndarray) -> np.ndarray:
 def first_boxes() -> np.ndarray:
     """The panels to begin with."""
     inner, far, wide = np.linspace(-1, 1, INNER + 1), np.linspace(0, 1, OUTER + 1), np.linspace(-1, 1, OUTER + 1)
-    rows = [(0, a, b, c, d) for a, b in zip(inner, inner[1:]) for c, d in zip(inner, inner[1:])]
-    rows += [(k, a, b, c, d) for k in range(1, 5) for a, b in zip(far, far[1:]) for c, d in zip(wide, wide[1:])]
+    rows = [(0, a, b, c, d) for a, b in pairwise(inner) for c, d in pairwise(inner)]
+    rows += [(k, a, b, c, d) for k in range(1, 5) for a, b in pairwise(far) for c, d in pairwise(wide)]
     return np.array(rows, float)
 
 

@@ -11,14 +11,13 @@ Each round is one call of the function.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.polynomial import legendre
 
 from microfacet.directions import as_vectors, positive, whole
+from microfacet.geometry.panels import NODES, falling, halves, rule
 from microfacet.geometry.slopes import Distribution, spread
 
 Function = Callable[[np.ndarray], np.ndarray]
@@ -27,7 +26,6 @@ ROUNDING = 1e-13  # relative, of what is summed
 NEAR = 8.0  # radius, in scales, up to which it is the coordinate; beyond, its inverse is
 STARTS = (0.0, 0.06, 0.15, 0.3, 0.6, 1.0, 2.0)  # first boxes' ends along the coordinate of the radius
 APART = np.array([1.0, 6.0, 36.0, 216.0])  # and in units of a near edge of visibility, where arcs change within its distance
-NODES, LAST = 14, 4  # in each direction of a box; coefficients that tell the error
 FARTHEST = 1e12  # an edge of visibility beyond this radius, in scales, is none
 ROUNDS = 60
 WORTH = 0.1  # of the largest error: boxes of less wait for another round
@@ -133,16 +131,6 @@ class _Rings:
         return np.asarray(facing * density.reshape(x.shape) * (z * z) ** 2 * (stretch * arc))
 
 
-@cache
-def rule() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Gauss-Legendre nodes on (0, 1), their weights, and the functionals that give the last 8 coefficients of the
-    interpolating polynomial in orthonormal Legendre polynomials: (nodes, 8)."""
-    nodes, weights = legendre.leggauss(NODES)
-    normal = np.sqrt(2 * np.arange(NODES) + 1)
-    functionals = legendre.legvander(nodes, NODES - 1) * normal * weights[:, None] / 2
-    return (nodes + 1) / 2, weights / 2, functionals[:, -2 * LAST :]
-
-
 def _integrate(integrand: _Rings, boxes: np.ndarray) -> np.ndarray:
     """Of each box its integral and the errors of it along the radius and along the arc: (n, 3)."""
     nodes, weights, functionals = rule()
@@ -151,22 +139,12 @@ def _integrate(integrand: _Rings, boxes: np.ndarray) -> np.ndarray:
     sums = np.stack(
         [
             (values @ weights) @ weights,
-            _error(functionals.T @ values) @ weights,
-            _error(functionals.T @ values.swapaxes(1, 2)) @ weights,
+            falling(functionals.T @ values) @ weights,
+            falling(functionals.T @ values.swapaxes(1, 2)) @ weights,
         ],
         axis=1,
     )
     return np.asarray(sums * ((high - low) * (last - first))[:, :, 0])
-
-
-def _error(coefficients: np.ndarray) -> np.ndarray:
-    """How far the integral of a polynomial through all nodes may be off, from how its coefficients fall: (n, 8, j) -> (n, j).
-
-    Where the last four are not far below the four before them, as by a kink, the error is of their size. Where they
-    are, as of a smooth function, it is far smaller.
-    """
-    before, last = np.sqrt(np.square(coefficients).reshape(len(coefficients), 2, LAST, -1).sum(axis=2)).swapaxes(0, 1)
-    return np.asarray(last * np.minimum(1, (4 * last / np.maximum(before, np.finfo(float).tiny)) ** 2))
 
 
 def _refined(integrand: _Rings, tolerance: float, most: int) -> Area:
@@ -184,19 +162,10 @@ def _refined(integrand: _Rings, tolerance: float, most: int) -> Area:
         if errors.sum() <= goal or wanted <= 0:
             break
         halved = order[:wanted]
-        children = _halves(boxes[halved], np.abs(sums[halved, 1]) < np.abs(sums[halved, 2]))
+        children = halves(boxes[halved], np.abs(sums[halved, 1]) < np.abs(sums[halved, 2]))
         kept = order[wanted:]
         boxes = np.concatenate([boxes[kept], children])
         sums = np.concatenate([sums[kept], _integrate(integrand, children)])
         used += len(children) * each
     value = float(sums[:, 0].sum())
     return Area(value, float(np.abs(sums[:, 1:]).sum() + ROUNDING * abs(value)), used)
-
-
-def _halves(boxes: np.ndarray, across: np.ndarray) -> np.ndarray:
-    """Both halves of each box, along the radius, or along the arc where `across`."""
-    lower, upper = boxes.copy(), boxes.copy()
-    for low, high, chosen in ((1, 2, ~across), (3, 4, across)):
-        middle = (boxes[chosen, low] + boxes[chosen, high]) / 2
-        lower[chosen, high] = upper[chosen, low] = middle
-    return np.concatenate([lower, upper])

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,7 @@ import numpy as np
 from microfacet.directions import as_vectors, one_of, positive, spherical
 from microfacet.geometry.panels import Panels
 from microfacet.geometry.slopes import Distribution
-from microfacet.validation.over_panels import ROUNDING, Kernels, Sight, Sights, kernels_of
+from microfacet.validation.over_panels import ROUNDING, Kernels, Sight, Sights
 from microfacet.visibility.masking import Masking
 
 TOLERANCE = 1e-9  # what a relative residual may be and still count as rounding and quadrature
@@ -159,7 +158,9 @@ def _resting(ndf: Distribution, views: np.ndarray) -> str:
     polar = len(np.unique(np.round(views[:, 2], 9)))
     azimuths = np.unique(np.round(np.degrees(np.arctan2(views[:, 1], views[:, 0])) % 360, 6))
     gaps = np.diff([*azimuths, azimuths[0] + 360])
-    symmetry = "isotropy, declared and checked" if ndf.isotropic else f"no symmetry, azimuths at most {gaps.max():.0f} degrees apart"
+    symmetry = (
+        "isotropy, declared and checked" if ndf.isotropic else f"no symmetry, azimuths at most {gaps.max():.0f} degrees apart"
+    )
     return f"{len(views)} views, {polar} polar angles, {len(azimuths)} azimuths; {symmetry}"
 
 
@@ -177,9 +178,8 @@ def _refuse_preferred(ndf: Distribution, sights: Sights) -> None:
     worst = int(np.argmax(apart))
     if apart[worst] > ALIKE:
         theta = np.degrees(np.arctan2(np.hypot(x[worst], y[worst]), z[worst]))
-        raise ValueError(
-            f"{ndf!r} says that it is isotropic, but its D differs by {apart[worst]:.1%} between azimuths at theta_m = {theta:.4g}"
-        )
+        differs = f"its D differs by {apart[worst]:.1%} between azimuths at theta_m = {theta:.4g}"
+        raise ValueError(f"{ndf!r} says that it is isotropic, but {differs}")
 
 
 def _above(wo: Any) -> np.ndarray:
@@ -201,7 +201,12 @@ INTEGRALS = ("projected_area", "visible_area", "visible_norm", "weak_furnace")
 
 def _of(found: list[Sight], equation: str) -> tuple[np.ndarray, np.ndarray]:
     """Residuals of one of the three equations that depend on the view, and their errors."""
-    sums = np.array([getattr(sight, {"visible_area": "area", "visible_norm": "norm", "weak_furnace": "furnace"}[equation]) for sight in found])
+    sums = np.array(
+        [
+            getattr(sight, {"visible_area": "area", "visible_norm": "norm", "weak_furnace": "furnace"}[equation])
+            for sight in found
+        ]
+    )
     return sums[:, 0] - 1, sums[:, 1]
 
 
@@ -269,7 +274,9 @@ def _pair_verdicts(sights: Sights, tolerance: float) -> list[Verdict]:
     positive_pairs = _pair_verdict("positivity", np.minimum(there / scale, 0), wo, wi, tolerance, seen)
     if -negative < positive_pairs.residual:
         verdict = decide(np.array([-negative]), np.array([ROUNDING]), tolerance)
-        positive_pairs = Verdict("positivity", verdict, -negative, ROUNDING, _degrees("m", normal), f"{seen}, and the area of D below 0")
+        positive_pairs = Verdict(
+            "positivity", verdict, -negative, ROUNDING, _degrees("m", normal), f"{seen}, and the area of D below 0"
+        )
     return [positive_pairs, _pair_verdict("reciprocity", (there - back) / scale, wo, wi, tolerance, seen)]
 
 

@@ -1,8 +1,9 @@
 """The validation equations of any model over any distribution: sums over panels of its slopes, cut by the edge of visibility.
 
-Panels on which D is as good as a polynomial are kept once for all views. From each view those that the edge of visibility cuts, or the
-line opposite, where V-cavities begin to mask, are cut in trapezoids and integrated anew. Errors are told by how the coefficients of
-the integrand fall on each piece. Only small kernels are compiled: D, what the model needs to know of a direction, G1 and G2.
+Panels on which D is as good as a polynomial are kept once for all views. From each view those that the edge of visibility cuts,
+or the line opposite, where V-cavities begin to mask, are cut in trapezoids and integrated anew. The errors follow from how the
+coefficients of the integrand fall on each piece. Only small kernels are compiled: D, what the model needs to know of a
+direction, G1 and G2.
 """
 
 from __future__ import annotations
@@ -13,14 +14,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from microfacet.arithmetic import two_sum
-from microfacet.directions import vectors
 from microfacet.geometry.panels import SQUARES, density_at, falling, rule, slopes_at
 from microfacet.kernels import Batch
 from microfacet.material.reflection import reflected
 from microfacet.visibility.masking import Masking, visible_normals
 
 ROUNDING = 1e-13  # of a sum of some 10^4 terms
-DRAWN = 32  # normals, seen from a view, at which light is followed; where that does not decide, 32 times as many
+DRAWN, MORE = 32, 256  # normals, seen from a view, at which light is followed, and where these do not decide
 CLOSE = 1e-12  # what G2 may exceed G1 by, of it
 SURE = 4.0  # standard deviations
 _MAPS = np.array(SQUARES)
@@ -46,7 +46,7 @@ def kernels_of(model: Masking) -> Kernels:
 
 
 class Pieces(NamedTuple):
-    """Parts of slope space with nodes. normals: (n, k, k, 3). mass: (n, k, k), the area of facets there, but for the weights."""
+    """Parts of slope space with nodes. normals: (n, k, k, 3). mass: (n, k, k), facets' area there, but for the weights."""
 
     normals: np.ndarray
     mass: np.ndarray
@@ -56,8 +56,8 @@ class Pieces(NamedTuple):
 
 
 class Sight(NamedTuple):
-    """What one view sees. area: what G1 leaves visible, over cos theta_o, and its error. norm, furnace: the same for the integral
-    of D_visible, and for mirrored light without shadowing. albedo: of mirror facets, and its error."""
+    """What one view sees. area: what G1 leaves visible, over cos theta_o, and its error. norm, furnace: the same for the
+    integral of D_visible, and for mirrored light without shadowing. albedo: of mirror facets, and its error."""
 
     area: tuple[float, float]
     norm: tuple[float, float]
@@ -92,13 +92,13 @@ class Sights:
 
     def _pieces(self, square: np.ndarray, u: np.ndarray, v: np.ndarray, area: np.ndarray) -> Pieces:
         """Nodes at points of the squares. area: that of the squares per node, but for the weights."""
-        scale = self.found.scale
-        normals, density = density_at(self.model.ndf.D, *slopes_at(square, u, v, scale), scale)
+        x, y, w = slopes_at(square, u, v, self.found.scale)
+        normals, density = density_at(self.model.ndf.D, x, y, w, self.found.scale)
         return Pieces(normals, density * area)
 
     def __call__(self, wo: np.ndarray) -> list[Sight]:
         """Of views (n, 3), above the horizon."""
-        known = self.kernels.view([vectors("wo", wo)], self.kernels.parameters)
+        known = self.kernels.view([wo], self.kernels.parameters)
         return [self._sight(view, float(of_view)) for view, of_view in zip(wo, known, strict=True)]
 
     def _sight(self, wo: np.ndarray, known: float) -> Sight:
@@ -127,7 +127,7 @@ class Sights:
         lines = self._lines(wo)
         if lines is None:
             return [self.whole]
-        square, low, high, first, last = self.found.boxes.T
+        _, low, high, first, last = self.found.boxes.T
         along, across = lines[..., 1], lines[..., 2]
         middle = lines[..., 0] + (along * (low + high) + across * (first + last)) / 2
         reach = (np.abs(along) * (high - low) + np.abs(across) * (last - first)) / 2
@@ -152,10 +152,10 @@ class Sights:
 
 
 def trapezoids(boxes: np.ndarray, lines: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Nodes (m, k, k) on the pieces into which lines (2, n, 3), sums of 1, u and v, cut boxes: those where the first is below 0.
+    """Nodes (m, k, k) on the pieces into which lines (2, n, 3), sums of 1, u and v, cut boxes: where the first is below 0.
 
-    The square of each, u, v, and the area per node. A piece runs from line to line or edge, along the side of its box on which the
-    first line's sum changes more, between the places on the other side where a line enters or leaves.
+    The square of each, u, v, and the area per node. A piece runs from line to line or edge, along the side of its box on which
+    the first line's sum changes more, between the places on the other side where a line enters or leaves.
     """
     nodes = rule()[0]
     size = boxes[:, [2, 4]] - boxes[:, [1, 3]]
@@ -165,7 +165,9 @@ def trapezoids(boxes: np.ndarray, lines: np.ndarray) -> tuple[np.ndarray, np.nda
     with np.errstate(divide="ignore", invalid="ignore"):
         ends = [np.nan_to_num(-(one + along * end) / aside, nan=0.0, posinf=1e30, neginf=-1e30) for end in (low, high)]
         breaks = np.sort(np.concatenate([[first, last], *(np.clip(end, first, last) for end in ends)]), axis=0)
-        box, start, width = (part.ravel() for part in np.broadcast_arrays(np.arange(len(boxes)), breaks[:-1], np.diff(breaks, axis=0)))
+        box, start, width = (
+            part.ravel() for part in np.broadcast_arrays(np.arange(len(boxes)), breaks[:-1], np.diff(breaks, axis=0))
+        )
         kept = width > 0
         box, start, width = box[kept], start[kept], width[kept]
         b = start[:, None] + width[:, None] * nodes
@@ -209,7 +211,8 @@ class _Drawn:
         """
         m, o, kernels = self._draw(DRAWN), self.wo, self.sights.kernels
         cosine = m @ o
-        i, rest = two_sum(2 * cosine[:, None] * m, -o)
+        summed: Any = two_sum  # of arrays, too
+        i, rest = summed(2 * cosine[:, None] * m, -o)
         h = o + i + rest
         h /= np.linalg.norm(h, axis=1, keepdims=True)
         at_h, at_m = (kernels.masked([np.array(self.known), o, n], kernels.parameters) for n in (h, m))
@@ -223,7 +226,7 @@ class _Drawn:
 
         If G2 nowhere exceeds G1 it is no more than what is seen, however few normals are drawn.
         """
-        for count in (DRAWN, DRAWN**2):
+        for count in (DRAWN, MORE):
             ratios = self._on(self._draw(count))
             spread = SURE * float(ratios.std()) / np.sqrt(count) + 1 / count * float(np.ptp(ratios) > 0)
             value = area * float(ratios.mean())

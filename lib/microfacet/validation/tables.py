@@ -20,7 +20,17 @@ from microfacet.geometry.slopes import Distribution
 from microfacet.geometry.ward import Ward
 from microfacet.notation import alpha, n
 from microfacet.statement import Equation, reference
-from microfacet.validation.equations import PAIRS, THETA, TOLERANCE, Verdict, decide, default_views, residual, validate
+from microfacet.validation.equations import (
+    AZIMUTHS,
+    PAIRS,
+    THETA,
+    TOLERANCE,
+    Verdict,
+    decide,
+    default_views,
+    residual,
+    validate,
+)
 from microfacet.visibility import unphysical
 from microfacet.visibility.masking import Masking
 from microfacet.visibility.smith import Smith
@@ -270,11 +280,10 @@ def _roughness_tried(isotropic: Sequence[float], stretched: Sequence[tuple[float
 def _views_tried() -> str:
     angles = np.degrees(THETA)
     albedo = f"10^{{{round(log10(TOLERANCE))}}}"
-    azimuths = len(default_views(GGX(0.1, 0.5))) // len(THETA)
     return (
         f"{len(angles)} view angles from {angles[0]:.0f} to {angles[-1]:.0f} degrees"
-        f" (at {azimuths} azimuths where the distribution is stretched);"
-        f" {PAIRS} random pairs for positivity and reciprocity, an albedo of at most $1 + {albedo}$ for energy"
+        f" (all but the first at {AZIMUTHS} azimuths where the distribution is stretched, more along its longer slopes);"
+        f" {PAIRS} pairs of random directions for positivity and reciprocity, an albedo of at most $1 + {albedo}$ for energy"
     )
 
 
