@@ -199,18 +199,3 @@ def half_vector(wo: Any, wi: Any) -> np.ndarray:
     total = as_vectors("wo", wo) + as_vectors("wi", wi)
     length = np.linalg.norm(total, axis=-1, keepdims=True)
     return np.asarray(np.divide(total, length, out=np.zeros_like(total), where=length > 0))
-
-
-COSINE = 1e-5  # how far beyond 0 and 1 a cosine between two directions may be
-
-
-def cosines(name: str, values: Any) -> np.ndarray:
-    """The argument as an array of cosines in [0, 1], of any shape.
-
-    Directions are unit vectors to within rounding, their products cosines to within `COSINE`: what is beyond 0 or 1 by no more
-    counts as 0 or 1, what is farther out is a ValueError that names it.
-    """
-    array = numbers(name, values).checked()
-    if array.size and not (array.min() >= -COSINE and array.max() <= 1 + COSINE):
-        raise ValueError(f"{name} must lie in [0, 1], got {array.min()} to {array.max()}")
-    return np.clip(array, 0, 1)
