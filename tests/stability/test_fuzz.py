@@ -1,4 +1,4 @@
-"""Hostile arguments, crowded at every edge: nothing is NaN, negative or infinite, and no two functions contradict each other."""
+"""Hostile arguments, crowded at all edges: nothing is NaN, negative or infinite, and no two functions contradict each other."""
 
 from __future__ import annotations
 
