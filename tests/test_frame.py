@@ -15,9 +15,9 @@ POLES = [[0, 0, 1], [0, 0, -1], [0, -0.0, -1], [1e-9, 0, -1], [1e-20, 1e-20, -1]
 
 
 def vectors(count: int, seed: int) -> np.ndarray:
-    """In all directions, of lengths from 1e-12 to 1e12."""
+    """In all directions, of lengths from 1e-30 to 1e30."""
     random = np.random.default_rng(seed)
-    made = random.normal(size=(count, 3)) * 10.0 ** random.uniform(-12, 12, (count, 1))
+    made = random.normal(size=(count, 3)) * 10.0 ** random.uniform(-30, 30, (count, 1))
     return np.concatenate([made, POLES])
 
 
