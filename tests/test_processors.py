@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from microfacet import processors
 from microfacet.kernels import LONG, QUICKEST, Batch
@@ -96,10 +96,10 @@ def test_a_number_of_threads_that_is_none_is_named(monkeypatch: pytest.MonkeyPat
 
 
 @given(count=st.integers(1, 3000), number=st.sampled_from(["1", "2", "5"]), known=st.sampled_from([1e-9, 1e-6, 1e-4, PIECE]))
+@example(count=8, number="1", known=PIECE)
 def test_every_element_is_done_once(count: int, number: str, known: float) -> None:
     done = np.zeros(count, int)
     pace = Pace(QUICKEST)
-    pace.seconds = known
 
     def work(start: int, stop: int) -> bool:
         done[start:stop] += 1
@@ -108,7 +108,7 @@ def test_every_element_is_done_once(count: int, number: str, known: float) -> No
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("MICROFACET_THREADS", number)
         for bad in (-1, 0, count - 1):
-            done[:] = 0
+            done[:], pace.seconds = 0, known
             assert spread(work, count, pace) is (bad < 0)
             assert (done == 1).all()
 

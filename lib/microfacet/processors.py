@@ -19,7 +19,6 @@ from typing import Any
 QUICK = 1e-4  # seconds: to give less than this to another thread would take longer than to do it
 PIECE = 0.02  # seconds that a piece should take at most
 STRIPS = 4  # parts of an array that are begun at once, for one may hold what takes much longer than the rest
-GROWTH = 8  # how much more than before a thread tries at once
 
 
 def threads() -> int:
@@ -144,7 +143,7 @@ class _Strips:
         with self.lock:
             self.good &= good
             strip.done, strip.seconds = strip.done + stop - start, strip.seconds + took
-            strip.pace = max(took / (stop - start), strip.seconds / strip.done, strip.pace / GROWTH, self.pace.least)
+            strip.pace = max(took / (stop - start), strip.seconds / strip.done, self.pace.least)
         return True
 
     def _size(self) -> int:
