@@ -205,6 +205,7 @@ def test_mirrors_send_all_light_out_however_few_the_walks(alpha: float, walks: i
     rule = found.once.error().sum()
     assert abs(found.lobe.sum() - 1) <= rule + found.bound(total) + 1e-12
     assert found.bound(total) < 1e-9
+    assert np.ptp(total(found.lobes)) < 1e-12  # in each part as well, whatever its weights add up to
     assert found.lobe.sum() - found.once.lobe.sum() > 0.9 * (1 - mf.Microfacet(mf.Smith(mf.GGX(alpha))).albedo(point.wo))
 
 
