@@ -233,3 +233,48 @@ def test_masking_functions_fill_the_view(compute: Compute) -> None:
     implicit = list(data["names"]).index("Implicit")
     for row, G1 in enumerate((beckmann_G1(theta[1:], 0.4), ggx_G1(theta[1:], 1.0))):
         np.testing.assert_allclose(data["share"][row, implicit, 1:], np.cos(theta[1:]) / G1, atol=2e-5)
+
+
+# --- lobes --------------------------------------------------------------------------------------------------------------------
+
+
+def lobe(name: str, wo: Array, wi: Array, alpha: float) -> Array:
+    """BRDF times the cosine of wo, after the papers that each masking function is from."""
+    h = wo + wi
+    h = h / np.linalg.norm(h, axis=-1, keepdims=True)
+    co, ci, ch, oh = wo[..., 2], wi[..., 2], h[..., 2], (wo * h).sum(axis=-1)
+    masking, distribution = name.split(", ")
+    D = (ggx_D if distribution == "GGX" else beckmann_D)(h, alpha, alpha)
+    G1 = ggx_G1 if distribution == "GGX" else beckmann_G1
+    if masking == "Smith":
+        G = 1 / (1 / G1(np.arccos(co), alpha) + 1 / G1(np.arccos(ci), alpha) - 1)
+    else:
+        V = {
+            "V-cavities": np.minimum(1, 2 * ch * np.minimum(co, ci) / oh),  # Cook and Torrance 1982
+            "Kelemen": co * ci / oh**2,  # Kelemen and Szirmay-Kalos 2001
+            "Implicit": co * ci,  # Hoffman 2010
+        }
+        G = V[masking]
+    return D * G / (4 * ci)
+
+
+@pytest.mark.slow
+def test_lobes_and_albedos_of_right_and_wrong_models(compute: Compute) -> None:
+    data = compute("brdf/lobes")
+    theta = np.radians(data["theta_o"])
+    assert data["theta_o"][[0, -1]].tolist() == [-90, 90]
+    assert data["degrees"] == 60
+    wi = polar(np.radians(np.array(60.0)), np.pi)
+    inside = (abs(data["theta_o"]) < 89.9) & (abs(data["theta_o"]) > 1e-9)
+    for k, name in enumerate(data["names"]):
+        expected = lobe(str(name), polar(theta[inside]), wi, 0.4)
+        np.testing.assert_allclose(data["lobe"][k][inside], expected, rtol=1e-4, atol=1e-7, err_msg=str(name))
+        assert data["peak"][k] == data["theta_o"][data["lobe"][k].argmax()]
+        u = np.linspace(0, 1, 1201)[1:] - 0.5 / 1200  # cosines
+        phi = (np.arange(360) + 0.5) * np.pi / 180
+        for at in (1, 45, 80):
+            wo = polar(np.radians(np.array(float(data["theta_i"][at]))))
+            w = polar(np.arccos(u)[:, None], phi)
+            albedo = (lobe(str(name), w, wo, 0.4)).mean() * 2 * np.pi
+            assert data["albedo"][k][at] == pytest.approx(albedo, rel=2e-3), name
+    assert data["theta_i"][[0, -1]].tolist() == [0, 88]

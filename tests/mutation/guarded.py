@@ -95,6 +95,7 @@ class Copy:
     def __init__(self, root: Path, folder: Path, kernels: Path, patience: float = PATIENCE) -> None:
         self.root, self.kernels, self.patience = folder, kernels, patience
         shutil.copytree(root, folder, ignore=LEFT)
+        (folder / "build").mkdir()
         if (root / ".venv").exists():
             (folder / ".venv").symlink_to(root / ".venv")
 
@@ -116,18 +117,22 @@ class Copy:
             _end(process)
 
     def judged(self, place: Place, text: str, watched: Sequence[Watched], suite: str) -> str:
-        """The test that kills the mutant, or nothing."""
+        """The test that kills the mutant, or nothing. What is compiled of it is forgotten, and what was before is kept."""
         path, cache = self.root / place.file, self.root / "build" / "cache"
-        original = path.read_text("utf-8")
-        shutil.rmtree(cache, ignore_errors=True)
-        shutil.copytree(self.kernels, cache, copy_function=os.link)
+        top = self.root / Path(place.file).parts[0]
+        kept = self.root / "build" / "kept"
+        for folder, source in ((cache, self.kernels), (kept, top)):
+            shutil.rmtree(folder, ignore_errors=True)
+            shutil.copytree(source, folder, copy_function=os.link)
+        path.unlink()  # and not written over: `kept` has the same file
         path.write_text(text, "utf-8")
         try:
             skipped = [f"--deselect={test}" for one in watched for test in one.failed]
             arguments = ["-x", "-m", suite, "-p", "in_order", *skipped, *(one.file for one in watched)]
             status, said = self.pytest(arguments, self.patience + 4 * sum(one.seconds for one in watched), cache)
         finally:
-            path.write_text(original, "utf-8")
+            shutil.rmtree(top)
+            kept.rename(top)
         return "time" if status is None else "" if status in (0, 5) else _first_failure(said)
 
 
@@ -156,7 +161,6 @@ def test_files(root: Path) -> list[str]:
 
 def watch(copy: Copy, file: str, suite: str) -> Watched:
     told = copy.root / "build" / "watched.json"
-    told.parent.mkdir(exist_ok=True)
     told.unlink(missing_ok=True)
     start = time.perf_counter()
     copy.pytest(["-m", suite, "-p", "watch", file], 3600, copy.kernels, MICROFACET_WATCH=str(told))

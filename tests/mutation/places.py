@@ -22,7 +22,7 @@ ARITHMETIC = {
     ast.Add: ("+", "-"), ast.Sub: ("-", "+"), ast.Mult: ("*", "/"), ast.Div: ("/", "*"), ast.Pow: ("**", "*"),
     ast.FloorDiv: ("//", "*"), ast.Mod: ("%", "*"), ast.BitAnd: ("&", "|"), ast.BitOr: ("|", "&"), ast.MatMult: ("@", "*"),
 }  # fmt: skip
-ASSERTED = {"strict", "check", "positive", "real", "nonnegative", "integer", "dtype"}  # named arguments that only assert
+ASSERTED = {"strict", "check", "positive", "real", "nonnegative", "integer", "dtype", "digits"}  # or say how many are kept
 WORDS = {"print", "warn", "debug", "info", "set_title", "set_xlabel", "set_ylabel"}  # calls that only say something
 
 

@@ -49,8 +49,8 @@ def touched() -> dict[str, list[str]]:
     """File -> names of its functions."""
     found: dict[str, set[str]] = {}
     for code in seen:
-        path = Path(code.co_filename)
-        if path.is_absolute() and path.is_relative_to(ROOT) and path.relative_to(ROOT).parts[0] in PLACES:
+        path = ROOT / code.co_filename  # which may be relative already, of a script that was run by its name
+        if path.is_relative_to(ROOT) and path.relative_to(ROOT).parts[0] in PLACES:
             found.setdefault(str(path.relative_to(ROOT)), set()).add(named(code.co_qualname))
     return {file: sorted(names) for file, names in sorted(found.items())}
 
