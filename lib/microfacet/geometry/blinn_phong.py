@@ -331,12 +331,17 @@ def kernel_sample(u1: float, u2: float, p: Any) -> tuple[float, float]:
     return around(sqrt(expm1(-2.0 * log1p(-u1) / (p[0] + 2.0))), u2)
 
 
+def kernel_excess(x: float, y: float, z: float, p: Any) -> float:
+    return 2.0 * PI / (p[0] + 2.0)
+
+
 class BlinnPhong(Distribution):
     """cos^n theta_m, not normalised: projected area 2 pi/(n+2). n above 0. blinn1977."""
 
     kernel = staticmethod(packed(power_of_cosine, 3, 1))
     sample_kernel = staticmethod(kernel_sample)
     sampled_kernel = staticmethod(packed(normalized_power, 3, 1))
+    excess_kernel = staticmethod(kernel_excess)
     closed_Lambda = staticmethod(kernel_Lambda)
 
     def __init__(self, n: float) -> None:
@@ -357,7 +362,8 @@ class BlinnPhong(Distribution):
 class NormalizedBlinnPhong(BlinnPhong):
     """(n+2)/(2 pi) cos^n theta_m. n above 0. heitz2014."""
 
-    kernel = staticmethod(packed(normalized_power, 3, 1))
+    kernel = sampled_kernel = BlinnPhong.sampled_kernel
+    excess_kernel = None
 
     def _normalisation(self) -> Any:
         return (mpmath.mpf(self.n) + 2) / (2 * mpmath.pi)
