@@ -76,7 +76,7 @@ STEEP = ByPrecision(double=400.0, single=50.0)  # a power with more than this le
 
 
 def inverse_power(t: float, t_rest: float, power: float) -> float:
-    """(1 + t + t_rest)^-power for t at least 0, any power, to a few ulps: what rounding leaves out of 1 + t counts power times."""
+    """(1 + t + t_rest)^-power, t at least 0, to a few ulps: what rounding leaves out of 1 + t counts power times."""
     total, rest = two_sum(1.0, t)
     r = rest / total
     back, lost = two_product(r, total)
