@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import cosh, exp, expm1, log, log1p, sinh, sqrt
-from typing import Any
+from typing import Any, ClassVar
 
 import mpmath
 import sympy as sp
@@ -341,7 +342,7 @@ class BlinnPhong(Distribution):
     kernel = staticmethod(packed(power_of_cosine, 3, 1))
     sample_kernel = staticmethod(kernel_sample)
     sampled_kernel = staticmethod(packed(normalized_power, 3, 1))
-    excess_kernel = staticmethod(kernel_excess)
+    excess_kernel: ClassVar[Callable[..., float] | None] = staticmethod(kernel_excess)
     closed_Lambda = staticmethod(kernel_Lambda)
 
     def __init__(self, n: float) -> None:
