@@ -42,14 +42,23 @@ def normalized_power(x: float, y: float, z: float, n: float) -> float:
 
 # --- statements ---------------------------------------------------------------------------------------------------
 
+
+def _length_steps() -> list[Any]:
+    """Over its length, which is 1, a unit vector's height is the cosine."""
+    return [(wm.x**2 + wm.y**2 + wm.z**2).subs(wm.spherical) - 1, wm.z.subs(wm.spherical) - sp.cos(wm.theta)]
+
+
+with sp.evaluate(False):
+    _COSINE = wm.z / sp.sqrt(wm.x**2 + wm.y**2 + wm.z**2)
 with sp.evaluate(False):
     D = Equation(
         key="geometry.blinn_phong.D",
         title="Blinn-Phong distribution of normals, as first used",
         symbol=raw("D_blinn_phong", r"D(\omega_m)"),
         equals=chi(sp.cos(wm.theta)) * sp.cos(wm.theta) ** n,
-        computed_as=chi(wm.z) * wm.z**n,
+        computed_as=chi(wm.z) * _COSINE**n,
         computed_by=power_of_cosine,
+        rewrite_proof=lambda: _length_steps(),
         where=wm.spherical,
         over={wm: "hemisphere", n: EXPONENT},
         slides=(55,),
@@ -60,8 +69,9 @@ with sp.evaluate(False):
         title="normalised Blinn-Phong distribution of normals",
         symbol=raw("D_normalized_blinn_phong", r"D(\omega_m)"),
         equals=chi(sp.cos(wm.theta)) * (n + 2) / (2 * sp.pi) * sp.cos(wm.theta) ** n,
-        computed_as=chi(wm.z) * (n + 2) / (2 * sp.pi) * wm.z**n,
+        computed_as=chi(wm.z) * (n + 2) / (2 * sp.pi) * _COSINE**n,
         computed_by=normalized_power,
+        rewrite_proof=lambda: _length_steps(),
         where=wm.spherical,
         over={wm: "hemisphere", n: EXPONENT},
         slides=(55,),
