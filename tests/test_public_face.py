@@ -262,6 +262,35 @@ def test_out_that_does_not_fit() -> None:
             BRDF.evaluate(wo, wi, out=out)
 
 
+# --- directions ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", OPERATIONS)
+@pytest.mark.parametrize("real", [np.float32, np.float64])
+def test_directions_are_unit_vectors_to_one_tolerance(name: str, real: type) -> None:
+    """What is off by rounding is taken as it is, what is farther off is refused by its name, length and place."""
+    operation, widths, _ = OPERATIONS[name]
+    for k, argument in enumerate(NAMES[name]):
+        if argument == "u":
+            continue
+        for factor in (1 - 9e-6, 1 + 9e-6):
+            given = values(widths, real=real)
+            given[k][2] *= real(factor)
+            operation(*given)
+        for factor in (1 - 1.1e-5, 1 + 1.1e-5, 2.0, 1e-3):
+            given = values(widths, real=real)
+            given[k][2] *= real(factor)
+            with pytest.raises(ValueError, match=rf"^{argument} must hold unit vectors, .* at index \(2,\): normalise it$"):
+                operation(*given)
+
+
+def test_cosines_have_the_tolerance_of_directions() -> None:
+    np.testing.assert_array_equal(directions.cosines("cosine", [-1e-5, 0.5, 1.00001]), [0, 0.5, 1])
+    for wrong in (-1.1e-5, 1.000011, np.nan):
+        with pytest.raises(ValueError, match="cosine must"):
+            directions.cosines("cosine", [0.5, wrong])
+
+
 # --- horizon ------------------------------------------------------------------------------------------------------------
 
 

@@ -72,20 +72,17 @@ def quotient_of_squares(x: float, y: float, z: float) -> tuple[float, float]:
     return quotient, (((total - back) - missing) + (lost + x_lost + y_lost) - quotient * z_lost) / square
 
 
-OVERFLOWS = 80.0  # exp(80) is a number in single precision
+STEEP = ByPrecision(double=400.0, single=50.0)  # a power with more than this left out of it is 0
 
 
 def inverse_power(t: float, t_rest: float, power: float) -> float:
-    """(1 + t + t_rest)^-power for t at least 0, any power, to a few ulps: what rounding leaves out of 1 + t counts power times.
-
-    It is 0 where the quotient of what was left out would make an exponential overflow.
-    """
+    """(1 + t + t_rest)^-power, t at least 0, to a few ulps: what rounding leaves out of 1 + t counts power times."""
     total, rest = two_sum(1.0, t)
     r = rest / total
     back, lost = two_product(r, total)
     r_rest = (((rest - back) - lost) + t_rest) / total - 0.5 * (r * r)
     exponent, left = two_product(power, r)
-    return total ** (-power) * (exp(-max(exponent, -OVERFLOWS)) * (1.0 - (left + power * r_rest)))
+    return total ** (-power) * (exp(-max(exponent, -STEEP)) * max(1.0 - (left + power * r_rest), 0.0))
 
 
 # For |t| up to an eighth, in powers of t^2: sin(2 pi t)/t after its first term 2 pi was rounded, to 4e-18 of it; and

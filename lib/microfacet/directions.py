@@ -2,8 +2,8 @@
 
 One rule holds wherever the library takes a direction, for views, lights and normals: the square v.v of its length must be 1 to
 within `UNIT`, which leaves room for the rounding of single precision and of a few operations in it. Such a vector is used as it
-is; any other is refused by a ValueError that gives its length and its place. So is none but the zero vector, which a sampler
-returns for what is lost: its results are 0.
+is, any other is refused by a ValueError that gives its length and its place. The zero vector, which a sampler returns for what
+is lost, is taken as well: its results are 0.
 """
 
 from __future__ import annotations

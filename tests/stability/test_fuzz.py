@@ -1,4 +1,4 @@
-"""Hostile arguments, crowded at all edges: nothing is NaN, negative or infinite, and no two functions contradict each other."""
+"""Arguments crowded at every edge: nothing is NaN, negative, or infinite, and no two functions contradict each other."""
 
 from __future__ import annotations
 
@@ -203,11 +203,12 @@ def test_of_millions_of_values_all_are_numbers(name: str, real: type) -> None:
 GRAZING = [
     (np.float32, 0.43674469, (0.70151567, 0.71265399, 1.117435e-4), (-0.70151573, -0.71265399, 7.94616e-5)),
     (
-        *(np.float64, 0.3),
+        np.float64,
+        0.3,
         (0.5917929859542123, 0.8060899836714244, 1e-8),
         (-0.5917929940962393, -0.806089977693935, 6.31167676204533e-9),
     ),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize("kind", [mf.GGX, mf.Beckmann])

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import cosh, exp, expm1, log, log1p, sinh, sqrt
-from typing import Any
+from typing import Any, ClassVar
 
 import mpmath
 import sympy as sp
@@ -41,14 +42,23 @@ def normalized_power(x: float, y: float, z: float, n: float) -> float:
 
 # --- statements ---------------------------------------------------------------------------------------------------
 
+
+def _length_steps() -> list[Any]:
+    """Over its length, which is 1, a unit vector's height is the cosine."""
+    return [(wm.x**2 + wm.y**2 + wm.z**2).subs(wm.spherical) - 1, wm.z.subs(wm.spherical) - sp.cos(wm.theta)]
+
+
+with sp.evaluate(False):
+    _COSINE = wm.z / sp.sqrt(wm.x**2 + wm.y**2 + wm.z**2)
 with sp.evaluate(False):
     D = Equation(
         key="geometry.blinn_phong.D",
         title="Blinn-Phong distribution of normals, as first used",
         symbol=raw("D_blinn_phong", r"D(\omega_m)"),
         equals=chi(sp.cos(wm.theta)) * sp.cos(wm.theta) ** n,
-        computed_as=chi(wm.z) * wm.z**n,
+        computed_as=chi(wm.z) * _COSINE**n,
         computed_by=power_of_cosine,
+        rewrite_proof=lambda: _length_steps(),
         where=wm.spherical,
         over={wm: "hemisphere", n: EXPONENT},
         slides=(55,),
@@ -59,8 +69,9 @@ with sp.evaluate(False):
         title="normalised Blinn-Phong distribution of normals",
         symbol=raw("D_normalized_blinn_phong", r"D(\omega_m)"),
         equals=chi(sp.cos(wm.theta)) * (n + 2) / (2 * sp.pi) * sp.cos(wm.theta) ** n,
-        computed_as=chi(wm.z) * (n + 2) / (2 * sp.pi) * wm.z**n,
+        computed_as=chi(wm.z) * (n + 2) / (2 * sp.pi) * _COSINE**n,
         computed_by=normalized_power,
+        rewrite_proof=lambda: _length_steps(),
         where=wm.spherical,
         over={wm: "hemisphere", n: EXPONENT},
         slides=(55,),
@@ -331,12 +342,17 @@ def kernel_sample(u1: float, u2: float, p: Any) -> tuple[float, float]:
     return around(sqrt(expm1(-2.0 * log1p(-u1) / (p[0] + 2.0))), u2)
 
 
+def kernel_excess(x: float, y: float, z: float, p: Any) -> float:
+    return 2.0 * PI / (p[0] + 2.0)
+
+
 class BlinnPhong(Distribution):
     """cos^n theta_m, not normalised: projected area 2 pi/(n+2). n above 0. blinn1977."""
 
     kernel = staticmethod(packed(power_of_cosine, 3, 1))
     sample_kernel = staticmethod(kernel_sample)
     sampled_kernel = staticmethod(packed(normalized_power, 3, 1))
+    excess_kernel: ClassVar[Callable[..., float] | None] = staticmethod(kernel_excess)
     closed_Lambda = staticmethod(kernel_Lambda)
     isotropic = True
 
@@ -358,7 +374,8 @@ class BlinnPhong(Distribution):
 class NormalizedBlinnPhong(BlinnPhong):
     """(n+2)/(2 pi) cos^n theta_m. n above 0. heitz2014."""
 
-    kernel = staticmethod(packed(normalized_power, 3, 1))
+    kernel = sampled_kernel = BlinnPhong.sampled_kernel
+    excess_kernel = None
 
     def _normalisation(self) -> Any:
         return (mpmath.mpf(self.n) + 2) / (2 * mpmath.pi)

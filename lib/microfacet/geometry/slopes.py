@@ -123,6 +123,7 @@ class Distribution(Model):
     sample_kernel: ClassVar[Callable[..., tuple[float, float]]]  # slopes(u1, u2, parameters)
     sample_density: ClassVar[Callable[..., float] | None] = None  # of those slopes at (x, y), if it is not that of D
     sampled_kernel: ClassVar[Callable[..., float] | None] = None  # or, for more digits, the distribution of normals they have
+    excess_kernel: ClassVar[Callable[..., float] | None] = None  # and D over that, where both may be too small for numbers
     closed_Lambda: ClassVar[Callable[..., float] | None] = None  # Lambda(x, y, z, parameters)
     parameters: Parameters
     reach: ClassVar[float] = inf
@@ -274,6 +275,8 @@ def _of_slopes(density: Callable[..., float]) -> Callable[..., float]:
 
 def excess_over_drawn(kind: type[Distribution]) -> Callable[..., float]:
     """The kernel of D over the distribution whose slopes are drawn; 0 where the latter is too small for a number."""
+    if kind.excess_kernel is not None:
+        return kind.excess_kernel
     return _one if drawn_from(kind) is kind.kernel else _excess(kind.kernel, drawn_from(kind))
 
 

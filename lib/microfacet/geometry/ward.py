@@ -69,12 +69,17 @@ def _substitution_steps() -> list[Any]:
     return [integrand - stated, sp.diff(-second / w, w) - sp.exp(-k * w) / w**2, sp.expand_func(sp.expint(2, k * w)) - second]
 
 
+def kernel_excess(x: float, y: float, z: float, p: Any) -> float:
+    return (z * z) * (z * z)
+
+
 class Ward(Distribution):
     """Ward's distribution with roughness alpha_x, alpha_y (equal if omitted), from 1e-11 to 1e11. ward1992."""
 
     kernel = staticmethod(packed(compensated_D, 3, 2))
     sample_kernel = staticmethod(kernel_sample)
     sampled_kernel = staticmethod(Beckmann.kernel)
+    excess_kernel = staticmethod(kernel_excess)
     reach = 6.5
 
     def __init__(self, alpha_x: float, alpha_y: float | None = None) -> None:
