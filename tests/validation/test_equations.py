@@ -170,7 +170,7 @@ def test_of_pairs_only_rounding_is_allowed_for() -> None:
 
 def test_views_may_be_off_by_the_rounding_of_single_precision() -> None:
     assert mf.validate(mf.VCavity(BECKMANN), np.array([0.6, 0, 0.8]) * (1 + 9e-7))["visible_area"].residual < 1e-5
-    with pytest.raises(ValueError, match="wo must be unit vectors, got length 0.999999"):
+    with pytest.raises(ValueError, match=r"wo must be unit vectors, got length 0\.999999"):
         mf.validate(mf.VCavity(BECKMANN), np.array([0.6, 0, 0.8]) * (1 - 1.2e-6))
 
 

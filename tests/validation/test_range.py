@@ -7,7 +7,10 @@ import pytest
 from microfacet.geometry.slopes import Distribution
 
 SCALES = [(1e-8, 1e-8), (1e-8, 1e-4), (1e-8, 1e3), (1e-3, 1e-3), (0.01, 100.0), (1.0, 1.0), (10.0, 1e3), (1e3, 1e3)]
-NORMALISED = [*(make(*scale) for make in (mf.GGX, mf.Beckmann) for scale in SCALES), *map(mf.NormalizedBlinnPhong, (1e-3, 1.0, 1e6))]
+NORMALISED = [
+    *(make(*scale) for make in (mf.GGX, mf.Beckmann) for scale in SCALES),
+    *map(mf.NormalizedBlinnPhong, (1e-3, 1.0, 1e6)),
+]
 VIEWED = ("visible_area", "visible_norm", "weak_furnace")
 
 

@@ -197,6 +197,7 @@ def _above(wo: Any) -> np.ndarray:
 # --- the four validation equations --------------------------------------------------------------------------------------
 
 INTEGRALS = ("projected_area", "visible_area", "visible_norm", "weak_furnace")
+ABOVE = np.array([0.0, 0.0, 1.0])  # a view that no masking changes
 
 
 def _of(found: list[Sight], equation: str) -> tuple[np.ndarray, np.ndarray]:
