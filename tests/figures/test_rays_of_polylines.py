@@ -159,3 +159,13 @@ def test_shares_of_normals_before_and_after(compute: Compute) -> None:
     for name in ("all", "seen"):
         by_bin = [data[f"{name}_percent"][data["bins"] == k].sum() for k in range(5)]
         np.testing.assert_array_equal(data[f"{name}_bin_percent"], by_bin)
+
+
+@pytest.mark.slow
+def test_the_final_lobe_is_over_all_angles(compute: Compute) -> None:
+    """36 bins from horizon to horizon; most light goes on, away from the viewer at 50 degrees."""
+    data = compute("overview/pipeline")
+    np.testing.assert_allclose(np.degrees(data["theta"]), np.arange(-87.5, 90, 5), atol=1e-9)
+    np.testing.assert_allclose(data["wo"], [np.sin(np.radians(50)), np.cos(np.radians(50))])
+    assert -50 < np.degrees((data["theta"] * data["lobe"]).sum() / data["lobe"].sum()) < -20
+    assert data["lobe"][-9:].max() < 1e-3

@@ -200,6 +200,15 @@ def test_variance_times_time_of_samplers(monkeypatch: pytest.MonkeyPatch, write:
     assert found["best"].all()
 
 
+def test_axes_of_angles_rise_from_above_to_grazing() -> None:
+    for axis in (equal_time_data.THETA, speed_samplers_data.DEGREES):
+        assert axis[0] == 0
+        assert 80 < axis[-1] < 90
+        assert (np.diff(axis) > 0).all()
+        assert (np.diff(np.radians(axis), 2) < 0.01).all()  # denser and denser
+    assert (np.diff(equal_time_data.ALPHA) > 0).all()
+
+
 def test_a_gain_has_an_interval_of_95_per_cent(monkeypatch: pytest.MonkeyPatch, write: Write) -> None:
     """Of a quotient of variances and of times, each with its relative standard error, all four added in squares."""
     methods = {name: equal_time_data.ESTIMATE[name] for name in equal_time_data.NAMES.values()}

@@ -55,7 +55,10 @@ LEFT = shutil.ignore_patterns(
 SUITES = ("not slow", "slow")
 PATIENCE = 90.0  # seconds that a run may take beyond four times what it takes without a mistake
 MEMORY = 24 << 30  # bytes that the tests of one mutant may ask for: a range that is doubled may ask for all there are
-BUILDERS = ("tests/workflow/", "tests/test_chapters.py", "tests/test_ledger.py")  # start workflow/ as processes of their own
+UNSEEN = {  # who starts what as a process of its own, or reads its text
+    "workflow/": ("tests/workflow/", "tests/test_chapters.py", "tests/test_ledger.py"),
+    "figures/": ("tests/test_prose.py",),
+}
 
 
 @dataclass
@@ -230,7 +233,8 @@ def chosen(place: Place, known: Iterable[Watched], suite: str) -> list[Watched]:
 
 
 def _starts(one: Watched, place: Place) -> bool:
-    return place.file.startswith("workflow/") and one.file.startswith(BUILDERS)
+    """Whether it runs the file in another process, or reads its text: neither can be watched."""
+    return any(place.file.startswith(folder) and one.file.startswith(tests) for folder, tests in UNSEEN.items())
 
 
 def _mirrors(test: str, file: str) -> bool:

@@ -155,6 +155,17 @@ def test_a_record_is_only_renewed_by_who_passed(gate: Gate) -> None:
     assert json.loads(before)["a.b"] == {"over": "", "symbolic": {"claims": 2}}
 
 
+def test_a_record_can_be_read_by_people(gate: Gate) -> None:
+    """Greek letters as such, statements by the alphabet, a line for each figure: a change shows as what it is."""
+    gate.built(entry("b.b", symbolic=PROVED) | {"over": "α in [1, 2]"}, entry("a.c", symbolic=PROVED))
+    ledger.renew(gate.ledger, gate.record)
+    text = gate.record.read_text("utf-8")
+    assert "α in [1, 2]" in text
+    assert list(json.loads(text)) == ["a.c", "b.b"]
+    assert len(text.splitlines()) > 8
+    assert text.endswith("}\n")
+
+
 @pytest.mark.parametrize("text", [None, "{", ""])
 def test_a_torn_record_ends_with_its_remedy(tmp_path: Path, text: str | None) -> None:
     path = tmp_path / "record.json"
