@@ -186,3 +186,9 @@ def test_extreme_roughness_stays_finite(ndf: mf.Beckmann) -> None:
         value = ndf.D(m.astype(real))
         assert np.isfinite(value).all()
         assert (value >= 0).all()
+
+
+@pytest.mark.parametrize("ndf", [*NORMALISED, mf.Ward(0.3), mf.Ward(0.3, 0.30001), mf.BlinnPhong(1e-3)], ids=repr)
+def test_a_distribution_says_whether_azimuth_matters(ndf: mf.Beckmann) -> None:
+    values = ndf.D(spherical(0.5, np.linspace(-np.pi, np.pi, 101)))
+    assert ndf.isotropic is bool(np.ptp(values) < 1e-12 * values.max())

@@ -45,7 +45,7 @@ def cone(x: float, y: float, z: float, p: Any) -> float:
 
 class Cone(Distribution):
     kernel: Callable[..., float] = staticmethod(cone)
-    radial = True
+    isotropic = True
 
     def __init__(self, alpha: float) -> None:
         self.parameters, self.scale = (alpha,), (alpha, alpha)

@@ -337,6 +337,7 @@ class BlinnPhong(Distribution):
     sample_kernel = staticmethod(kernel_sample)
     sample_density = staticmethod(kernel_sample_density)
     closed_Lambda = staticmethod(kernel_Lambda)
+    isotropic = True
 
     def __init__(self, n: float) -> None:
         self.n = positive("n", n)

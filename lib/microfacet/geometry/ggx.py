@@ -254,3 +254,4 @@ class GGX(Distribution):
         self.alpha_x = roughness("alpha_x", alpha_x)
         self.alpha_y = self.alpha_x if alpha_y is None else roughness("alpha_y", alpha_y)
         self.parameters = self.scale = (self.alpha_x, self.alpha_y)
+        self.isotropic = self.alpha_x == self.alpha_y

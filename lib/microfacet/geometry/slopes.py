@@ -114,7 +114,7 @@ class Distribution:
     parameters: what its kernels take as their last argument. scale: the two slope scales a quadrature should resolve; where
     a class does not say, they are found by a look at D.
     reach: in units of these, the slope beyond which hardly any facet (1e-18 of the area) lies.
-    radial: whether D depends on the polar angle only.
+    isotropic: whether D depends on the polar angle only, by default not; `validate` checks it.
     """
 
     kernel: ClassVar[Callable[..., float]]  # D(x, y, z, parameters)
@@ -123,7 +123,7 @@ class Distribution:
     closed_Lambda: ClassVar[Callable[..., float] | None] = None  # Lambda(x, y, z, parameters)
     parameters: Parameters
     reach: ClassVar[float] = inf
-    radial: bool = False
+    isotropic: bool = False
 
     @cached_property
     def scale(self) -> tuple[float, float]:

@@ -102,7 +102,7 @@ def validate(model: Masking, wo: Any = None, tolerance: float = TOLERANCE) -> Va
 
 def default_views(ndf: Distribution) -> np.ndarray:
     """View directions that a verdict rests on: one azimuth is enough for an isotropic distribution."""
-    phi = PHI if ndf.scale[0] != ndf.scale[1] else PHI[:1]
+    phi = PHI[:1] if ndf.isotropic else PHI
     return spherical(*np.meshgrid(THETA, phi, indexing="ij")).reshape(-1, 3)
 
 

@@ -330,7 +330,7 @@ def exact_share(model: Masking, view: np.ndarray) -> float | None:
         return float(unphysical.implicit_G1.exact(1.0, cosine) * (1 + hidden))
     if isinstance(model, SchlickSmith):
         return float(unphysical.schlick_G1.exact(1.0, cosine, model.k) * (1 + hidden))
-    if isinstance(model, Kelemen) and not across and len(set(model.ndf.scale)) == 1:
+    if isinstance(model, Kelemen) and not across and model.ndf.isotropic:
         area = {Beckmann: beckmann.area, GGX: ggx.area}[type(model.ndf)]
         return float(sp.limit(area.equals, alpha, sp.nsimplify(model.ndf.scale[0])))
     return None

@@ -274,7 +274,7 @@ def view_of(ndf: Distribution) -> Callable[..., float]:
     kind = type(ndf)
     if kind.closed_Lambda is not None:
         return packed_Lambda(kind.closed_Lambda)
-    return radial_Lambda(kind.kernel) if ndf.radial else quadrature_Lambda(kind.kernel)
+    return radial_Lambda(kind.kernel) if ndf.isotropic else quadrature_Lambda(kind.kernel)
 
 
 @cache
