@@ -15,7 +15,8 @@ import numpy as np
 import sympy as sp
 
 from microfacet import balls
-from microfacet.brdf.specular import Microfacet, Reflected, evaluation_of, mu
+from microfacet.brdf.albedo import Reflected
+from microfacet.brdf.specular import Microfacet, evaluation_of, mu
 from microfacet.directions import vectors
 from microfacet.kernels import Batch
 from microfacet.material.fresnel import F0, c, schlick_F
