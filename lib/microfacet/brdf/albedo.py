@@ -79,16 +79,6 @@ def quadratic(a: float, b: float, c: float) -> tuple[float, float]:
     return (a / both if both != 0.0 else inf), (both / c if c != 0.0 else inf)
 
 
-def uncut(dx: float, dy: float, lean: float, square: float, rim: float, ox: float, oy: float, oz: float, p: Any) -> Any:
-    """Nowhere."""
-    return inf, inf, inf, inf, inf
-
-
-def near_zenith(dx: float, dy: float, lean: float, square: float, rim: float, ox: float, oy: float, oz: float, p: Any) -> Any:
-    """Where the ray comes nearest to the facet that reflects the zenith."""
-    return -lean * oz / ((1.0 + oz) * square), inf, inf, inf, inf
-
-
 def cavity_creases(
     dx: float, dy: float, lean: float, square: float, rim: float, ox: float, oy: float, oz: float, p: Any
 ) -> Any:
@@ -97,19 +87,20 @@ def cavity_creases(
     return (-1.0 / lean if lean != 0.0 else inf), -lean / square, shadowed, inf, inf
 
 
-def ridges(dx: float, dy: float, lean: float, square: float, rim: float, ox: float, oy: float, oz: float, p: Any) -> Any:
-    """The same, and where light comes along the axis on which an unequally rough surface masks less."""
+def bright_light(dx: float, dy: float, lean: float, square: float, rim: float, ox: float, oy: float, oz: float, p: Any) -> Any:
+    """Where rough surfaces mask light least: where the ray comes nearest to the facet that reflects the zenith, and, for
+    unequal roughness, where light comes along the axis of the smaller. The last parameter tells which of them count."""
     wide = p[2][1] > p[2][0]
     d, t = (dy, oy / oz) if wide else (dx, ox / oz)
     first, second = quadratic(t, 2.0 * d, t * square - 2.0 * lean * d)
-    return -lean * oz / ((1.0 + oz) * square), first, second, inf, inf
+    zenith = -lean * oz / ((1.0 + oz) * square)
+    unequal = p[8] > 1.5
+    return zenith if p[8] > 0.5 else inf, first if unequal else inf, second if unequal else inf, inf, inf
 
 
 def equals(dx: float, dy: float, lean: float, square: float, rim: float, ox: float, oy: float, oz: float, p: Any) -> Any:
-    """The same, and where Smith's Lambda of light and viewer is equal, which is as much masked by stretched slopes."""
-    wide = p[2][1] > p[2][0]
-    d, t = (dy, oy / oz) if wide else (dx, ox / oz)
-    first, second = quadratic(t, 2.0 * d, t * square - 2.0 * lean * d)
+    """Where light comes along the axis of the smaller roughness, and where Smith's Lambda of light and viewer is equal."""
+    _, first, second, _, _ = bright_light(dx, dy, lean, square, rim, ox, oy, oz, p)
     alpha_x, alpha_y = p[2]
     tx, ty = alpha_x * ox / oz, alpha_y * oy / oz
     px, py = -2.0 * alpha_x * dx, -2.0 * alpha_y * dy
@@ -256,6 +247,7 @@ _GAUSS[1::2] = 0.129484966168869693, 0.279705391489276668, 0.381830050505118945,
 PLACES = np.concatenate([-_HALF, _HALF[-2::-1]])
 KRONROD, GAUSS = (np.concatenate([half, half[-2::-1]]) for half in (_KRONROD, _GAUSS))
 NARROWEST = 1e-15  # width of an angle within which things change
+SAFETY = 10.0  # what the sum of estimated errors is multiplied by to be a bound: among random cases the truth then is within
 TOLERANCE = 1e-8  # of an albedo, to which panels are halved
 ROUNDS = 60
 TOGETHER = 256  # views at once
@@ -345,10 +337,11 @@ def first_panels(views: np.ndarray, scale: tuple[float, float], mirrored: bool, 
 
 
 class Sums(NamedTuple):
-    """Of each panel its integral and its error."""
+    """Of each panel its integral, the error of the rule over the angle, which halves may lessen, and that of the rays."""
 
     value: np.ndarray
     error: np.ndarray
+    within: np.ndarray
 
 
 def summed(batch: Batch, parameters: Any, views: np.ndarray, panels: Panels, power: float) -> Sums:
@@ -358,7 +351,7 @@ def summed(batch: Batch, parameters: Any, views: np.ndarray, panels: Panels, pow
     value, within = values @ KRONROD, errors @ KRONROD
     apart = abs(values @ (KRONROD - GAUSS))
     around = abs(values - value[:, None] / 2) @ KRONROD + NOTHING
-    return Sums(value, around * np.minimum(1, (200 * apart / around) ** power) + within)
+    return Sums(value, around * np.minimum(1, 2000 * apart / around) ** power, within)
 
 
 # --- all views --------------------------------------------------------------------------------------------------------
@@ -380,7 +373,7 @@ class Effort(NamedTuple):
     most: int
 
 
-KNOWN = Effort((1.0, float(LEVELS)), 100.0, 1.5, 0, 30000)
+KNOWN = Effort((2.0, float(LEVELS)), 1e4, 1.5, 0, 30000)
 UNKNOWN = Effort((2.0, 5.0), 1e300, 1.0, 1, 3000)
 
 
@@ -422,7 +415,8 @@ class Reflected(NamedTuple):
             found = summed(batch, self.parameters, views, children, effort.power)
             rays += len(PLACES) * np.bincount(children.view, minlength=count)
             panels, sums = _joined(panels.taken(~split), children), _joined(Sums(*(a[~split] for a in sums)), found)
-        return (2 if self.mirrored else 1) * np.stack([np.bincount(panels.view, part, count) for part in sums])
+        value, error, within = (np.bincount(panels.view, part, count) for part in sums)
+        return (2 if self.mirrored else 1) * np.stack([value, SAFETY * (error + within)])
 
 
 def _joined(first: Any, second: Any) -> Any:
@@ -443,20 +437,24 @@ def reflected_share(model: Masking, fresnel: Fresnel) -> Reflected:
     parts = (type(ndf).kernel, model.view_kernel, model.shadowed_kernel, kind.kernel)
     known = type(ndf) in FAMILIES and type(model) in MODELS and kind in REFLECTANCES
     effort = KNOWN if known else UNKNOWN
-    parameters = (model.parameters, fresnel.parameters, ndf.scale, ndf.reach, critical(fresnel), *effort.levels, effort.trust)
+    rule = (ndf.reach, critical(fresnel), *effort.levels, effort.trust, bright(ndf.scale))
+    parameters = (model.parameters, fresnel.parameters, ndf.scale, *rule)
     return Reflected((cuts_of(model), model.view_kernel, *parts), parameters, effort, ndf.isotropic and type(model) in MODELS)
 
 
 def cuts_of(model: Masking) -> Callable[..., Any]:
     """The kernel that tells where a ray is cut."""
-    low, high = sorted(model.ndf.scale)
     if isinstance(model, VCavity):
         return cavity_creases
     if isinstance(model, Smith) and model.correlation in ("direction", "height-direction"):
         return equals
-    if isinstance(model, Smith) and high > UNEQUAL * low:
-        return ridges
-    return near_zenith if high > ROUGH else uncut
+    return bright_light
+
+
+def bright(scale: tuple[float, float]) -> float:
+    """Which of `bright_light` count: 0 none, 1 the zenith, 2 all."""
+    low, high = sorted(scale)
+    return 2.0 if high > UNEQUAL * low else float(high > ROUGH)
 
 
 def critical(fresnel: Fresnel) -> float:
