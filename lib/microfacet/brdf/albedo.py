@@ -50,7 +50,7 @@ def tanh_sinh() -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]
 
 
 NODES, WEIGHTS, STARTS = tanh_sinh()
-CLOSE = 1e-9  # error of a ray, of its whole, above which another rule follows
+CLOSE = 1e-8  # error of a ray, of its whole, above which another rule follows
 NOTHING = 1e-300
 HALVINGS = 64
 
@@ -94,8 +94,8 @@ def bright_light(dx: float, dy: float, lean: float, square: float, rim: float, o
     d, t = (dy, oy / oz) if wide else (dx, ox / oz)
     first, second = quadratic(t, 2.0 * d, t * square - 2.0 * lean * d)
     zenith = -lean * oz / ((1.0 + oz) * square)
-    unequal = p[8] > 1.5
-    return zenith if p[8] > 0.5 else inf, first if unequal else inf, second if unequal else inf, inf, inf
+    unequal = p[7] > 1.5
+    return zenith if p[7] > 0.5 else inf, first if unequal else inf, second if unequal else inf, inf, inf
 
 
 def equals(dx: float, dy: float, lean: float, square: float, rim: float, ox: float, oy: float, oz: float, p: Any) -> Any:
@@ -181,7 +181,6 @@ def piece_rule(*parts: Callable[..., float]) -> Callable[..., tuple[float, float
                 r = tan(start + (stop - start) * NODES[k])
                 rule += (stop - start) * WEIGHTS[k] * light(r, dx, dy, lean, square, rim, seen, ox, oy, oz, p)
             error = abs(rule - coarse)
-            error *= sqrt(min(1.0, p[7] * error / (before + rule + NOTHING)))
             if level >= p[5] and error <= CLOSE * (before + rule):
                 break
         return rule, error
@@ -194,7 +193,7 @@ def ray_rule(cuts: Callable[..., Any], view: Callable[..., float], *parts: Calla
     """The integral along one ray per its angle, and its error.
 
     Parameters: the model's, the reflectance's, scales, reach, the square of the critical cosine, the first and the number of
-    the levels after which a piece may end, and what the square of a difference is multiplied by where it is the error.
+    the levels after which a piece may end, and which cuts count.
     """
     piece = piece_rule(*parts)
 
@@ -247,7 +246,7 @@ _GAUSS[1::2] = 0.129484966168869693, 0.279705391489276668, 0.381830050505118945,
 PLACES = np.concatenate([-_HALF, _HALF[-2::-1]])
 KRONROD, GAUSS = (np.concatenate([half, half[-2::-1]]) for half in (_KRONROD, _GAUSS))
 NARROWEST = 1e-15  # width of an angle within which things change
-SAFETY = 10.0  # what the sum of estimated errors is multiplied by to be a bound: among random cases the truth then is within
+SAFETY = 30.0  # what the sum of estimated errors is multiplied by to be a bound: among random cases the truth then is within
 TOLERANCE = 1e-8  # of an albedo, to which panels are halved
 ROUNDS = 60
 TOGETHER = 256  # views at once
@@ -360,21 +359,19 @@ def summed(batch: Batch, parameters: Any, views: np.ndarray, panels: Panels, pow
 class Effort(NamedTuple):
     """How much is known of a model, and so is spent on it.
 
-    levels: of rules along a ray, the first after which it may end, and how many there are. trust: what the square of the
-    difference of two rules is multiplied by where it is taken for the error, as it is for functions smooth between cuts; so
-    large that it never is, for others. power: of the difference of two rules over the angle, likewise. halvings: of panels, to
-    begin with. most: rays of one view, after which the error is told as it is.
+    levels: of rules along a ray, the first after which it may end, and how many there are. power: of the difference of two
+    rules over the angle, 1.5 for functions smooth between cuts. halvings: of panels, to begin with. most: rays of one view,
+    after which the error is told as it is.
     """
 
     levels: tuple[float, float]
-    trust: float
     power: float
     halvings: int
     most: int
 
 
-KNOWN = Effort((2.0, float(LEVELS)), 1e4, 1.5, 0, 30000)
-UNKNOWN = Effort((2.0, 5.0), 1e300, 1.0, 1, 3000)
+KNOWN = Effort((2.0, float(LEVELS)), 1.5, 0, 30000)
+UNKNOWN = Effort((2.0, 5.0), 1.0, 1, 3000)
 
 
 class Reflected(NamedTuple):
@@ -437,7 +434,7 @@ def reflected_share(model: Masking, fresnel: Fresnel) -> Reflected:
     parts = (type(ndf).kernel, model.view_kernel, model.shadowed_kernel, kind.kernel)
     known = type(ndf) in FAMILIES and type(model) in MODELS and kind in REFLECTANCES
     effort = KNOWN if known else UNKNOWN
-    rule = (ndf.reach, critical(fresnel), *effort.levels, effort.trust, bright(ndf.scale))
+    rule = (ndf.reach, critical(fresnel), *effort.levels, bright(ndf.scale))
     parameters = (model.parameters, fresnel.parameters, ndf.scale, *rule)
     return Reflected((cuts_of(model), model.view_kernel, *parts), parameters, effort, ndf.isotropic and type(model) in MODELS)
 
