@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache, lru_cache
+from itertools import pairwise
 from math import exp, expm1, pi, sqrt
 from typing import Any, NamedTuple
 
@@ -15,10 +16,11 @@ import numpy as np
 import sympy as sp
 
 from microfacet import balls
-from microfacet.brdf.specular import Microfacet, Reflected, evaluation_of, mu
+from microfacet.brdf.albedo import ROUNDING, Reflected, critical, tanh_sinh
+from microfacet.brdf.specular import Microfacet, evaluation_of, mu
 from microfacet.directions import vectors
 from microfacet.kernels import Batch
-from microfacet.material.fresnel import F0, c, schlick_F
+from microfacet.material.fresnel import F0, Fresnel, c, schlick_F
 from microfacet.model import Model
 from microfacet.notation import raw
 from microfacet.statement import Equation
@@ -121,7 +123,8 @@ ROUGH = 4.0  # roughness above which the albedo changes so fast near grazing tha
 NODES, AZIMUTHS = 128, 64  # of the rule for means
 LOWEST = 5.3  # of the root of -ln(cosine): light below counts less than 1e-24
 BRIGHT = 1e-4  # how far the albedo may exceed 1 by errors of its quadrature
-SURE = 0.03  # of an albedo, how far its quadrature may be off where it is divided by
+SURE = 0.03  # how far the series may be from the albedo, and from its share where it is divided by
+BETWEEN = 3.0  # the largest error, over that half way between nodes and at the ends
 
 
 @cache
@@ -168,36 +171,50 @@ def _chebyshev(count: int) -> tuple[np.ndarray, np.ndarray]:
 
 class Kept(NamedTuple):
     """What one bounce of F = 1 keeps: means of E and of 1 - E over light from everywhere, coefficients of -ln E, and how far
-    the quadrature of E may be off, of E."""
+    the series may be from E, absolutely and of E: what was found between its nodes, and the error of the quadrature."""
 
     mean: float
     missing: float
     table: tuple[float, ...]
     off: float
+    share_off: float
 
 
 @lru_cache(maxsize=64)
 def kept(reflected: Reflected, scale: tuple[float, float], steps: int, turns: int) -> Kept:
     """Found once for all reflectances over the same model. ValueError where E is above 1."""
-    table, off = _tabulated(reflected, scale, steps, turns)
-    dimming = _dimming(table, scale)
-    return Kept(_mean(np.exp(-dimming)), _mean(-np.expm1(-dimming)), tuple(map(float, table.ravel())), off)
-
-
-def _tabulated(reflected: Reflected, scale: tuple[float, float], steps: int, turns: int) -> tuple[np.ndarray, float]:
     (s, make_s), (w, make_w) = _chebyshev(steps), _chebyshev(turns)
-    k, upright = _widths(*scale)
-    share = ((s[:, None] + 1) / 2) ** 2  # z/(z + k r)
-    r, turn = (1 - share) / (k * share), np.arccos(w) / 2
-    shadow = np.stack(np.broadcast_arrays(r * np.cos(turn) / scale[0], r * np.sin(turn) / scale[1], 1.0), axis=-1)
-    albedo, error = reflected(shadow / np.linalg.norm(shadow, axis=-1, keepdims=True))
+    wo, leaning = _directions(s, w, scale)
+    albedo, error = reflected(wo)
     if (albedo - error).max() > 1 + BRIGHT:
         raise ValueError(
             f"a model that reflects more light than it gets cannot be compensated: its albedo is {albedo.max():.4g}"
         )
     albedo = np.clip(albedo, np.finfo(float).tiny, 1)
-    leaning = r + upright
-    return make_s @ (-np.log(albedo) * (1 + leaning) / leaning) @ make_w.T, float((error / albedo).max())
+    table = make_s @ (-np.log(albedo) * (1 + leaning) / leaning) @ make_w.T
+    dimming = _dimming(table, scale)
+    off, share_off = _missed(reflected, scale, table)
+    return Kept(_mean(np.exp(-dimming)), _mean(-np.expm1(-dimming)), tuple(map(float, table.ravel())), off, share_off)
+
+
+def _directions(s: np.ndarray, w: np.ndarray, scale: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+    """Views where the series' variables are s and w, and what it is multiplied by there is made of."""
+    k, upright = _widths(*scale)
+    share = ((s[:, None] + 1) / 2) ** 2  # z/(z + k r)
+    r, turn = (1 - share) / (k * share), np.arccos(w) / 2
+    shadow = np.stack(np.broadcast_arrays(r * np.cos(turn) / scale[0], r * np.sin(turn) / scale[1], 1.0), axis=-1)
+    return shadow / np.linalg.norm(shadow, axis=-1, keepdims=True), r + upright
+
+
+def _missed(reflected: Reflected, scale: tuple[float, float], table: np.ndarray) -> tuple[float, float]:
+    """How far the series is from the albedo between its nodes and from above, with the quadrature's error: absolutely, of E."""
+    steps, turns = table.shape
+    s, w = np.cos(np.pi * np.arange(steps) / steps), np.cos(np.pi * np.arange(turns + 1) / turns)
+    wo, leaning = _directions(s, w, scale)
+    albedo, error = reflected(wo)
+    series = np.maximum(np.asarray(np.polynomial.chebyshev.chebgrid2d(s, w, table)), 0) * leaning / (1 + leaning)
+    apart = abs(np.exp(-series) - albedo) + error
+    return float(BETWEEN * apart.max()), float(BETWEEN * (apart / np.maximum(albedo, np.finfo(float).tiny)).max())
 
 
 def _dimming(table: np.ndarray, scale: tuple[float, float]) -> np.ndarray:
@@ -222,6 +239,21 @@ def _heights() -> tuple[np.ndarray, np.ndarray]:
 
 def _mean(values: np.ndarray) -> float:
     return float(_heights()[1] @ values.mean(axis=1))
+
+
+def mean_reflectance(fresnel: Fresnel) -> tuple[float, float]:
+    """The mean over light from everywhere, which counts by its cosine, and its error; cut where reflection is total."""
+    nodes, weights, starts = map(np.array, tanh_sinh())
+    level = np.searchsorted(starts, np.arange(len(nodes)), side="right") - 1
+    weights = weights / 2.0 ** (level.max() - level)  # a level's own are for the rule that ends with it
+    square = critical(fresnel)
+    ends = (0.0, sqrt(square), 1.0) if square < 1 else (0.0, 1.0)
+    sums = np.zeros(2)
+    for low, high in pairwise(ends):
+        c = np.clip(low + (high - low) * nodes, 0, 1)
+        terms = (high - low) * weights * 2 * c * fresnel.F(c)
+        sums += terms.sum(), 2 * terms[level < level.max()].sum()
+    return float(sums[0]), float(abs(sums[0] - sums[1]) + ROUNDING)
 
 
 # --- the model --------------------------------------------------------------------------------------------------------
@@ -258,10 +290,9 @@ class Compensated(Model):
 
     brdf: of a model of masking. form: "lobe" adds a lobe that knows two cosines only, "scaled" makes the first bounce
     brighter; by either the albedo is 1 for F = 1, where one bounce keeps some light. Only "lobe" lets light and viewer change
-    places. Over Smith's model `evaluate` keeps this to 1e-4 for one roughness from 1e-8 to 10, to 5e-3 up to 1e3; for two to
-    1e-3 up to 1, and above as far as the quadrature of one bounce's albedo is right. How far either is from what later
-    bounces do is measured, not bounded: see the report. ValueError for other forms, for models that reflect more light than
-    they get, and for "scaled" where the quadrature is not right to 3 %, as for two roughnesses of which one is above 3.
+    places. `evaluate` keeps this as far as a series of the albedo of perfect mirrors is right: `off` bounds its error, absolute
+    for "lobe", of the albedo for "scaled". How far either is from what later bounces do is measured, not bounded: see the
+    report. ValueError for other forms, for models that reflect more light than they get, and where `off` is above 3 %.
     """
 
     def __init__(self, brdf: Microfacet, form: str = "lobe") -> None:
@@ -273,33 +304,48 @@ class Compensated(Model):
         self.mirrors = Microfacet(brdf.model)
         alpha_x, alpha_y = brdf.model.ndf.scale
         steps = STEPS if max(alpha_x, alpha_y) <= ROUGH else 2 * STEPS
-        turns = 1 if alpha_x == alpha_y else TURNS
-        self.mean_albedo, missing, table, off = kept(self.mirrors.reflected, (alpha_x, alpha_y), steps, turns)
-        if form == "scaled" and off > SURE:
-            raise ValueError(f"the albedo of {brdf.model!r} is known to {100 * off:.2g} % only, too little to divide by it")
-        self.added = self._added()
+        turns = 1 if brdf.model.ndf.isotropic else TURNS
+        found = kept(self.mirrors.reflected, (alpha_x, alpha_y), steps, turns)
+        self.mean_albedo, missing, table = found.mean, found.missing, found.table
+        self.off = found.off if form == "lobe" else found.share_off
+        if self.off > SURE:
+            raise ValueError(f"the albedo of {brdf.model!r} is known to {100 * self.off:.2g} % only, too little for {form!r}")
+        self.added, self.added_error = self._added(found.off)
         factor = self.added / (pi * missing) if form == "lobe" and missing > 0 else self.added
         single, parameters = evaluation_of(brdf.model, brdf.fresnel)
         self.parameters = (parameters, (alpha_x, alpha_y), _widths(alpha_x, alpha_y), table, (factor,))
         self._batch = compensated(single.function, form, steps, turns)
 
-    def _added(self) -> float:
-        """What facets leave of the light of later bounces: by their mean reflectance, or by that at normal incidence."""
+    def _added(self, off: float) -> tuple[float, float]:
+        """What facets leave of the light of later bounces, and its error: by their mean reflectance, or by that at normal
+        incidence. off: how far the mean albedo may be off."""
         if self.form == "scaled":
-            return float(self.fresnel.F(1.0))
-        v, weight = _heights()
-        return float(bounces.scalar(float(weight @ self.fresnel.F(np.exp(-v * v))), self.mean_albedo))
+            return float(self.fresnel.F(1.0)), 0.0
+        F, error = mean_reflectance(self.fresnel)
+        least = max((1 - F) + F * self.mean_albedo, np.finfo(float).tiny)
+        slopes = F * (2 - F) * self.mean_albedo / least**2 + F / least, F**2 * (1 - F) / least**2
+        return float(bounces.scalar(F, self.mean_albedo)), slopes[0] * error + slopes[1] * off
 
     def evaluate(self, wo: Any, wi: Any, out: np.ndarray | None = None) -> Any:
         """The BRDF, 1/sr, shapes (..., 3) -> (...); 0 if either direction is below the horizon."""
         return self._batch([vectors("wo", wo), vectors("wi", wi)], self.parameters, out)
 
     def albedo(self, wo: Any) -> Any:
-        """Share of light from wo that is reflected, shapes (..., 3) -> (...), by quadrature."""
-        once, kept = self.brdf.albedo(wo), self.mirrors.albedo(wo)
+        """Share of light from wo that is reflected, shapes (..., 3) -> (...); 0 below the horizon. By quadrature."""
+        return self.albedo_with_error(wo)[0]
+
+    def albedo_with_error(self, wo: Any) -> tuple[Any, Any]:
+        """The albedo, and a bound of its error: of the quadratures, and of the means. `evaluate` has it from a series, which
+        may be off by `off` more: of the albedo of perfect mirrors, absolutely for "lobe", and of it for "scaled"."""
+        (once, once_error), (kept, kept_error) = self.brdf.albedo_with_error(wo), self.mirrors.albedo_with_error(wo)
+        above = kept > 0
+        lacked = np.where(above, 1 - kept, 0)
         if self.form == "lobe":
-            return once + self.added * (1 - kept)
-        return once * np.where(kept > 0, 1 + self.added * (1 - kept) / np.where(kept > 0, kept, 1), 0)
+            error = once_error + self.added * kept_error + self.added_error * abs(lacked)
+            return (once + self.added * lacked)[()], np.where(above, error, 0)[()]
+        share = np.where(above, kept, 1)
+        scale = stated_scale(self.added, share)
+        return once * scale, scale * once_error + once * self.added * kept_error / share**2
 
     def __repr__(self) -> str:
         return f"Compensated({self.brdf!r}, {self.form!r})"

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from microfacet.brdf.specular import rounding
 from microfacet.directions import as_vectors, positive, spherical, vectors
 from microfacet.geometry.slopes import P22_at_m, normals_from_slopes, normals_integral, solid_angle
 from microfacet.kernels import Batch
@@ -140,6 +139,15 @@ def _fit_steps(it: Equation) -> list[Any]:
 
 
 # --- kernels ----------------------------------------------------------------------------------------------------------
+
+ROUNDING = 1e-13  # of a sum of some 10^4 terms
+ULPS = 8  # of such a sum, or of 1 if that is larger: in single precision some 4 were seen
+
+
+def rounding(sums: Any) -> Any:
+    """How far sums of some 10^4 terms may be off by rounding in the precision that they have."""
+    return np.maximum(ROUNDING, ULPS * float(np.finfo(sums.dtype).eps) * np.maximum(1, abs(sums)))
+
 
 FINE, COARSE = (20, 32), (14, 24)  # nodes on each arc, and on each piece of a ray
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from math import atan, atan2, cos, pi, sin, sqrt, tan
-from typing import Any, NamedTuple
+from math import sqrt
+from typing import Any
 
 import numpy as np
 import sympy as sp
 
 from microfacet import balls
+from microfacet.brdf.albedo import Reflected, reflected_share
 from microfacet.brdf.ggx import inverse_square, prepared_lobe
 from microfacet.directions import uniform, vectors
 from microfacet.geometry.ggx import GGX
@@ -298,100 +299,7 @@ def normals_weight(
     return over_pairs(weight)
 
 
-def tanh_sinh(nodes: int, reach: float = 3.15) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Nodes and weights on (0, 1) that crowd at both ends, where an integrand may change fast. takahasi1974."""
-    t = np.linspace(-reach, reach, nodes)
-    x = 1 / (1 + np.exp(-np.pi * np.sinh(t)))
-    w = x * (1 - x) * np.pi * np.cosh(t) * (t[1] - t[0])
-    return tuple(map(float, x)), tuple(map(float, w / w.sum()))
-
-
-ROUNDING = 1e-13  # of a sum of some 10^4 terms
-ULPS = 8  # of such a sum, or of 1 if that is larger: in single precision some 4 were seen
-FINE, COARSE = 96, 72  # nodes along a radius, and over each half turn
-NODES, WEIGHTS = (fine + coarse for fine, coarse in zip(tanh_sinh(FINE), tanh_sinh(COARSE), strict=True))
-
-
-def rounding(sums: Any) -> Any:
-    """How far sums of some 10^4 terms may be off by rounding in the precision that they have."""
-    return np.maximum(ROUNDING, ULPS * float(np.finfo(sums.dtype).eps) * np.maximum(1, abs(sums)))
-
-
-@cache
-def albedo_rule(
-    normals: Callable[..., float],
-    view: Callable[..., float],
-    shadowed: Callable[..., float],
-    fresnel: Callable[..., float],
-) -> Callable[..., float]:
-    """Share of light reflected, by quadrature over the slopes whose mirror direction lies above the horizon.
-
-    Those slopes fill the disc |slope|^2 + 2 tan theta_o (slope along the view) < 1, taken in polar coordinates around
-    the upright facet, after unstretching. Radius tan w follows the tails; nodes crowd at the rim, where light grazes, and
-    at right angles to the view, where near grazing the disc's edge turns away from the upright facet.
-    """
-
-    def albedo(low: int, high: int, ox: float, oy: float, oz: float, p: Any) -> float:
-        if not oz > 0.0:
-            return 0.0
-        alpha_x, alpha_y = p[2]
-        seen = view(ox, oy, oz, p[0])
-        towards = atan2(alpha_y * oy, alpha_x * ox)
-        total = 0.0
-        for half in range(2):
-            for turn in range(low, high):
-                angle = towards + pi * (half - 0.5 + NODES[turn])
-                dx, dy = alpha_x * cos(angle), alpha_y * sin(angle)
-                lean = (dx * ox + dy * oy) / oz
-                square = dx * dx + dy * dy
-                root = sqrt(lean * lean + square)
-                rim = 1.0 / (lean + root) if lean >= 0.0 else (root - lean) / square
-                last = atan(min(rim, p[3]))
-                ray = 0.0
-                for k in range(low, high):
-                    radius = tan(last * NODES[k])
-                    slope_x, slope_y = radius * dx, radius * dy
-                    mz = 1.0 / sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
-                    mx, my = -slope_x * mz, -slope_y * mz
-                    cosine = min(ox * mx + oy * my + oz * mz, 1.0)
-                    iz = 2.0 * cosine * mz - oz
-                    if cosine > 0.0 and iz > 0.0:
-                        ix, iy = 2.0 * cosine * mx - ox, 2.0 * cosine * my - oy
-                        lit = view(ix, iy, iz, p[0])
-                        G2 = shadowed(seen, lit, ox, oy, oz, ix, iy, iz, mx, my, mz, p[0])
-                        light = fresnel(cosine, p[1]) * G2 * cosine * normals(mx, my, mz, p[0][0]) * (mz * mz * mz)
-                        ray += WEIGHTS[k] * light * radius * (1.0 + radius * radius)
-                total += WEIGHTS[turn] * ray * last
-        return total * pi * alpha_x * alpha_y / oz
-
-    return albedo
-
-
-@cache
-def albedo_batch(
-    normals: Callable[..., float], view: Callable[..., float], shadowed: Callable[..., float], fresnel: Callable[..., float]
-) -> Batch:
-    """Albedo by a fine and a coarse rule: (..., 3) -> (..., 2)."""
-    albedo = albedo_rule(normals, view, shadowed, fresnel)
-
-    def both(ox: float, oy: float, oz: float, p: Any) -> tuple[float, float]:
-        return albedo(0, FINE, ox, oy, oz, p), albedo(FINE, FINE + COARSE, ox, oy, oz, p)
-
-    return Batch(both, [3], 2)
-
-
 # --- the model --------------------------------------------------------------------------------------------------------
-
-
-class Reflected(NamedTuple):
-    """Shares of light that are reflected and their errors, of views (..., 3), by kernels and their parameters."""
-
-    kernels: tuple[Callable[..., float], ...]
-    parameters: tuple[Any, ...]
-
-    def __call__(self, wo: Any) -> tuple[Any, Any]:
-        both = albedo_batch(*self.kernels)([vectors("wo", wo)], self.parameters)
-        return both[..., 0], abs(both[..., 0] - both[..., 1]) + rounding(both[..., 0])
 
 
 class Microfacet(Model):
@@ -446,18 +354,17 @@ class Microfacet(Model):
         return rule([vectors("wo", wo), vectors("wi", wi)], self.parameters)
 
     def albedo(self, wo: Any) -> Any:
-        """Share of light from wo that is reflected, shapes (..., 3) -> (...), by quadrature."""
+        """Share of light from wo that is reflected, shapes (..., 3) -> (...); 0 below the horizon. By quadrature."""
         return self.albedo_with_error(wo)[0]
 
     def albedo_with_error(self, wo: Any) -> tuple[Any, Any]:
-        """The albedo, and its error estimated from a coarser rule and from rounding."""
+        """The albedo, and a bound of its error: some 1e-9 of it, more where distributions or models of your own have kinks."""
         return self.reflected(wo)
 
     @property
     def reflected(self) -> Reflected:
         """`albedo_with_error` as a function that is equal for equal models."""
-        kernels = (type(self.model.ndf).kernel, self.model.view_kernel, self.model.shadowed_kernel, type(self.fresnel).kernel)
-        return Reflected(kernels, (*self.parameters, self.model.ndf.scale, self.model.ndf.reach))
+        return reflected_share(self.model, self.fresnel)
 
     def __repr__(self) -> str:
         return f"Microfacet({self.model!r}, {type(self.fresnel).__name__}{self.fresnel.parameters})"

@@ -1,0 +1,461 @@
+"""The albedo of mirror facets: the share of light that they reflect, and a bound of its error.
+
+The integral goes over the slopes whose mirror direction lies above the horizon. They fill a disc, |slope|^2 + 2 tan theta_o
+(slope along the view) < 1, which is taken in polar coordinates around the upright facet, in slopes divided by the
+distribution's scales. What is not smooth lies on known curves. Along a ray it is met at roots of polynomials, where the ray is
+cut: total reflection, creases of V-cavities, equal masking of light and viewer, light from the zenith, which a rough surface
+masks least. Over the angle, the ray along the disc's edge, the narrow axis of unequal roughness, and the plane of the view are
+ends of panels; panels are halved until the error is small.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from math import atan, inf, sqrt, tan
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from microfacet.directions import as_vectors
+from microfacet.geometry.beckmann import Beckmann
+from microfacet.geometry.blinn_phong import BlinnPhong, NormalizedBlinnPhong
+from microfacet.geometry.ggx import GGX
+from microfacet.geometry.ward import Ward
+from microfacet.kernels import Batch
+from microfacet.material.fresnel import Conductor, Dielectric, Fresnel, Mirror, Schlick
+from microfacet.visibility.masking import Masking
+from microfacet.visibility.smith import Smith
+from microfacet.visibility.unphysical import Implicit, Kelemen, SchlickSmith
+from microfacet.visibility.v_cavity import VCavity
+
+# --- one ray ----------------------------------------------------------------------------------------------------------
+
+LEVELS = 7  # rules of 13, 25, 49, ... nodes, each with the nodes of the one before
+REACH = 3.0  # where the rule ends: what is left out counts 2e-14 of a bounded integrand
+
+
+def tanh_sinh() -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:
+    """Nodes and weights on (0, 1), which crowd at both ends; level after level, and where each begins. takahasi1974."""
+    nodes, weights, starts = [], [], [0.0]
+    for level in range(LEVELS):
+        step = 0.5 / 2**level
+        count = round(REACH / step)
+        t = step * (np.arange(-count, count + 1) if level == 0 else np.arange(-count + 1, count, 2))
+        x = 1 / (1 + np.exp(-np.pi * np.sinh(t)))
+        nodes.append(x)
+        weights.append(step * x * (1 - x) * np.pi * np.cosh(t))
+        starts.append(starts[-1] + len(t))
+    return tuple(map(float, np.concatenate(nodes))), tuple(map(float, np.concatenate(weights))), tuple(starts)
+
+
+NODES, WEIGHTS, STARTS = tanh_sinh()
+CLOSE = 1e-8  # error of a ray, of its whole, above which another rule follows
+NOTHING = 1e-300
+HALVINGS = 64
+
+
+def root_between(low: float, high: float, a: float, b: float, c: float, d: float) -> float:
+    """Where a + b r + c r^2 + d r^3 changes its sign between two points; infinite if it does not."""
+    below = a + low * (b + low * (c + low * d))
+    above = a + high * (b + high * (c + high * d))
+    if not (low < high and (below < 0.0) != (above < 0.0)):
+        return inf
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        if (a + middle * (b + middle * (c + middle * d)) < 0.0) == (below < 0.0):
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)
+
+
+def quadratic(a: float, b: float, c: float) -> tuple[float, float]:
+    """The roots of a + b r + c r^2 without cancellation; infinite, or no number, where there are none."""
+    under = b * b - 4.0 * a * c
+    if under < 0.0:
+        return inf, inf
+    both = -0.5 * (b + (sqrt(under) if b >= 0.0 else -sqrt(under)))
+    return (a / both if both != 0.0 else inf), (both / c if c != 0.0 else inf)
+
+
+def cavity_creases(
+    dx: float, dy: float, lean: float, square: float, rim: float, ox: float, oy: float, oz: float, p: Any
+) -> Any:
+    """Where 2 m_z o_z = o.m, where 2 m_z i_z = o.m, and where o_z = i_z."""
+    shadowed = root_between(0.0, rim, -1.0, 3.0 * lean, 3.0 * square, -lean * square)
+    return (-1.0 / lean if lean != 0.0 else inf), -lean / square, shadowed, inf, inf
+
+
+def bright_light(dx: float, dy: float, lean: float, square: float, rim: float, ox: float, oy: float, oz: float, p: Any) -> Any:
+    """Where rough surfaces mask light least: where the ray comes nearest to the facet that reflects the zenith, and, for
+    unequal roughness, where light comes along the axis of the smaller. The last parameter tells which of them count."""
+    wide = p[2][1] > p[2][0]
+    d, t = (dy, oy / oz) if wide else (dx, ox / oz)
+    first, second = quadratic(t, 2.0 * d, t * square - 2.0 * lean * d)
+    zenith = -lean * oz / ((1.0 + oz) * square)
+    unequal = p[7] > 1.5
+    return zenith if p[7] > 0.5 else inf, first if unequal else inf, second if unequal else inf, inf, inf
+
+
+def equals(dx: float, dy: float, lean: float, square: float, rim: float, ox: float, oy: float, oz: float, p: Any) -> Any:
+    """Where light comes along the axis of the smaller roughness, and where Smith's Lambda of light and viewer is equal."""
+    _, first, second, _, _ = bright_light(dx, dy, lean, square, rim, ox, oy, oz, p)
+    alpha_x, alpha_y = p[2]
+    tx, ty = alpha_x * ox / oz, alpha_y * oy / oz
+    px, py = -2.0 * alpha_x * dx, -2.0 * alpha_y * dy
+    qx, qy = -lean * px - tx * square, -lean * py - ty * square
+    tt = tx * tx + ty * ty
+    a = 4.0 * lean * tt - 2.0 * (tx * px + ty * py)
+    b = px * px + py * py - 2.0 * (tx * qx + ty * qy) - tt * (4.0 * lean * lean - 2.0 * square)
+    c = 2.0 * (px * qx + py * qy) - 4.0 * tt * lean * square
+    e = qx * qx + qy * qy - tt * square * square
+    turn_1, turn_2 = quadratic(b, 2.0 * c, 3.0 * e)
+    low, high = min(turn_1, turn_2), max(turn_1, turn_2)
+    low = min(max(low, 0.0), rim) if low < inf else 0.0
+    high = min(max(high, low), rim) if high < inf else rim
+    one, two = root_between(0.0, low, a, b, c, e), root_between(low, high, a, b, c, e)
+    return first, second, one, two, root_between(high, rim, a, b, c, e)
+
+
+@cache
+def light_rule(
+    normals: Callable[..., float], view: Callable[..., float], shadowed: Callable[..., float], fresnel: Callable[..., float]
+) -> Callable[..., float]:
+    """What facets of one slope send to the viewer, per angle of their ray and angle of the radius."""
+
+    def light(
+        r: float,
+        dx: float,
+        dy: float,
+        lean: float,
+        square: float,
+        rim: float,
+        seen: float,
+        ox: float,
+        oy: float,
+        oz: float,
+        p: Any,
+    ) -> float:
+        shown, risen = 1.0 - r * lean, (1.0 - r / rim) * (1.0 + r * square * rim)
+        if not (shown > 0.0 and risen > 0.0):
+            return 0.0
+        mz = 1.0 / sqrt(1.0 + r * r * square)
+        mx, my = -r * dx * mz, -r * dy * mz
+        cosine = min(oz * mz * shown, 1.0)
+        ix, iy, iz = 2.0 * cosine * mx - ox, 2.0 * cosine * my - oy, min(oz * mz * mz * risen, 1.0)
+        both = shadowed(seen, view(ix, iy, iz, p[0]), ox, oy, oz, ix, iy, iz, mx, my, mz, p[0])
+        density = normals(mx, my, mz, p[0][0]) * ((mz * mz) * (mz * mz))
+        return fresnel(cosine, p[1]) * both * shown * density * r * (1.0 + r * r)
+
+    return light
+
+
+@cache
+def piece_rule(*parts: Callable[..., float]) -> Callable[..., tuple[float, float]]:
+    """The integral along a ray between two cuts, where the radius is the tangent of an angle, and its error.
+
+    More and more nodes are taken until two rules agree. before: the integral as far as the piece.
+    """
+    light = light_rule(*parts)
+
+    def piece(
+        start: float,
+        stop: float,
+        before: float,
+        dx: float,
+        dy: float,
+        lean: float,
+        square: float,
+        rim: float,
+        seen: float,
+        ox: float,
+        oy: float,
+        oz: float,
+        p: Any,
+    ) -> tuple[float, float]:
+        rule, error = 0.0, 0.0
+        for level in range(int(p[6])):
+            coarse, rule = rule, 0.5 * rule
+            for k in range(int(STARTS[level]), int(STARTS[level + 1])):
+                r = tan(start + (stop - start) * NODES[k])
+                rule += (stop - start) * WEIGHTS[k] * light(r, dx, dy, lean, square, rim, seen, ox, oy, oz, p)
+            error = abs(rule - coarse)
+            if level >= p[5] and error <= CLOSE * (before + rule):
+                break
+        return rule, error
+
+    return piece
+
+
+@cache
+def ray_rule(cuts: Callable[..., Any], view: Callable[..., float], *parts: Callable[..., Any]) -> Callable[..., Any]:
+    """The integral along one ray per its angle, and its error.
+
+    Parameters: the model's, the reflectance's, scales, reach, the square of the critical cosine, the first and the number of
+    the levels after which a piece may end, and which cuts count.
+    """
+    piece = piece_rule(*parts)
+
+    def ray(du: float, dv: float, ox: float, oy: float, oz: float, p: Any) -> tuple[float, float]:
+        dx, dy = p[2][0] * du, p[2][1] * dv
+        lean, square = (dx * ox + dy * oy) / oz, dx * dx + dy * dy
+        root = sqrt(lean * lean + square)
+        rim = 1.0 / (lean + root) if lean >= 0.0 else (root - lean) / square
+        seen = view(ox, oy, oz, p[0])
+        one, two, three, four, five = cuts(dx, dy, lean, square, rim, ox, oy, oz, p)
+        back, forth = quadratic(oz * oz - p[4], -2.0 * oz * oz * lean, oz * oz * lean * lean - p[4] * square)
+        last = atan(min(rim, p[3]))
+        total, error, start = 0.0, 0.0, 0.0
+        while start < last:
+            stop = last
+            for cut in (one, two, three, four, five, back, forth):
+                angle = atan(cut) if cut > 0.0 else 0.0
+                if start < angle < stop:
+                    stop = angle
+            part, off = piece(start, stop, total, dx, dy, lean, square, rim, seen, ox, oy, oz, p)
+            total, error, start = total + part, error + off, stop
+        return total * p[2][0] * p[2][1], error * p[2][0] * p[2][1]
+
+    return ray
+
+
+@cache
+def ray_batch(*kernels: Callable[..., Any]) -> Batch:
+    """Rays (n, 2), unit vectors of the slopes' plane over the scales, and views (n, 3): integrals and errors (n, 2)."""
+    return Batch(ray_rule(*kernels), [2, 3], 2)
+
+
+# --- all rays ---------------------------------------------------------------------------------------------------------
+
+# abscissae and weights of Kronrod's rule of 15 nodes, and the weights of Gauss's rule of 7 within it. piessens1983
+_HALF = np.array(
+    [
+        *(0.991455371120812639, 0.949107912342758525, 0.864864423359769073, 0.741531185599394440),
+        *(0.586087235467691130, 0.405845151377397167, 0.207784955007898468, 0.0),
+    ]
+)
+_KRONROD = np.array(
+    [
+        *(0.022935322010529225, 0.063092092629978553, 0.104790010322250184, 0.140653259715525919),
+        *(0.169004726639267903, 0.190350578064785410, 0.204432940075298892, 0.209482141084727828),
+    ]
+)
+_GAUSS = np.zeros(8)
+_GAUSS[1::2] = 0.129484966168869693, 0.279705391489276668, 0.381830050505118945, 0.417959183673469388
+PLACES = np.concatenate([-_HALF, _HALF[-2::-1]])
+KRONROD, GAUSS = (np.concatenate([half, half[-2::-1]]) for half in (_KRONROD, _GAUSS))
+NARROWEST = 1e-15  # width of an angle within which things change
+SAFETY = 30.0  # what the sum of estimated errors is multiplied by to be a bound: among random cases the truth then is within
+TOLERANCE = 1e-8  # of an albedo, to which panels are halved
+ROUNDS = 60
+TOGETHER = 256  # views at once
+ROUNDING = 1e-13  # of a sum of some 10^4 terms
+
+
+class Panels(NamedTuple):
+    """Of each panel its view, the ray it begins at, where it turns from there and how far, and the ends of its coordinate.
+
+    The angle from that ray is the hyperbolic sine of the coordinate times a width, within which things change.
+    """
+
+    view: np.ndarray
+    ray: np.ndarray
+    far: np.ndarray
+    width: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+
+    def taken(self, chosen: Any) -> Panels:
+        return Panels(*(field[chosen] for field in self))
+
+    def halves(self) -> Panels:
+        middle = (self.low + self.high) / 2
+        lower, upper = self._replace(high=middle), self._replace(low=middle)
+        return Panels(*(np.concatenate(both) for both in zip(lower, upper, strict=True)))
+
+    def rays(self) -> tuple[np.ndarray, np.ndarray]:
+        """Unit vectors (n, 15, 2) and the angle per coordinate (n, 15)."""
+        half = ((self.high - self.low) / 2)[:, None]
+        t = ((self.low + self.high) / 2)[:, None] + half * PLACES
+        turn = self.width[:, None] * np.sinh(t) * np.sign(self.far)[:, None]
+        c, s = np.cos(turn), np.sin(turn)
+        u, v = self.ray[:, :1], self.ray[:, 1:]
+        return np.stack([c * u - s * v, s * u + c * v], axis=-1), half * self.width[:, None] * np.cosh(t)
+
+
+def special_rays(views: np.ndarray, scale: tuple[float, float], mirrored: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Rays (n, m, 2) around which the integral over a ray may change fast, in order, and within which angle: (n, m).
+
+    The ray along the edge of the disc, that to the facet that reflects the zenith, and the axis of the smaller roughness.
+    mirrored: whether both sides of the view's plane are alike, so that one will do.
+    """
+    x, y, z = views.T
+    towards = np.stack([scale[0] * x, scale[1] * y], axis=-1)
+    level = ~towards.any(axis=1)
+    towards[level] = [1.0, 0.0]
+    across = np.stack([-towards[:, 1], towards[:, 0]], axis=-1)
+    plane = np.stack([scale[1] * x, scale[0] * y], axis=-1)  # of the view, divided by the scales
+    plane[level] = [1.0, 0.0]
+    with np.errstate(divide="ignore", over="ignore"):
+        edge = z * np.hypot(scale[0] * across[:, 0], scale[1] * across[:, 1]) / (towards**2).sum(axis=1)
+        tip = np.hypot(plane[:, 1] / scale[0] ** 2, plane[:, 0] / scale[1] ** 2)
+        tip *= (1 + z) * scale[0] * scale[1] / (plane**2).sum(axis=1)
+    edge[level], tip[level] = 1.0, 1.0
+    narrow, wide = ([1.0, 0.0], [0.0, 1.0]) if scale[0] < scale[1] else ([0.0, 1.0], [1.0, 0.0])
+    one = np.ones(len(views))
+    if mirrored:
+        return _unit(np.stack([towards, across, -towards], axis=1)), np.stack([one, edge, tip], axis=1)
+    rays = np.stack([across, plane, *(np.broadcast_to(axis, plane.shape) for axis in (narrow, wide))], axis=1)
+    widths = np.stack([edge, tip, one * min(scale) / max(scale), one], axis=1)
+    rays, widths = np.concatenate([rays, -rays], axis=1), np.concatenate([widths, widths], axis=1)
+    order = np.argsort(np.arctan2(rays[..., 1], rays[..., 0]), axis=1)
+    rays, widths = np.take_along_axis(rays, order[..., None], axis=1), np.take_along_axis(widths, order, axis=1)
+    return _unit(np.concatenate([rays, rays[:, :1]], axis=1)), np.concatenate([widths, widths[:, :1]], axis=1)
+
+
+def _unit(rays: np.ndarray) -> np.ndarray:
+    return np.asarray(rays / np.hypot(rays[..., 0], rays[..., 1])[..., None])
+
+
+def first_panels(views: np.ndarray, scale: tuple[float, float], mirrored: bool, halvings: int) -> Panels:
+    """Panels from each special ray half way to the next, and back."""
+    rays, widths = special_rays(views, scale, mirrored)
+    a, b = rays[:, :-1], rays[:, 1:]
+    apart = np.arctan2(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0], (a * b).sum(axis=-1)) / 2
+    view = np.broadcast_to(np.arange(len(views))[:, None], apart.shape)
+    kept = np.concatenate([(apart > 0).ravel()] * 2)
+    view = np.concatenate([view.ravel()] * 2)[kept]
+    far = np.concatenate([apart.ravel(), -apart.ravel()])[kept]
+    width = np.concatenate([widths[:, :-1].ravel(), widths[:, 1:].ravel()])[kept].clip(NARROWEST, 1)
+    ray = np.concatenate([a.reshape(-1, 2), b.reshape(-1, 2)])[kept]
+    panels = Panels(view, ray, far, width, np.zeros(len(far)), np.arcsinh(abs(far) / width))
+    for _ in range(halvings):
+        panels = panels.halves()
+    return panels
+
+
+class Sums(NamedTuple):
+    """Of each panel its integral, the error of the rule over the angle, which halves may lessen, and that of the rays."""
+
+    value: np.ndarray
+    error: np.ndarray
+    within: np.ndarray
+
+
+def summed(batch: Batch, parameters: Any, views: np.ndarray, panels: Panels, power: float) -> Sums:
+    """By Kronrod's rule, and its error from Gauss's, as QUADPACK tells it for a power of 1.5; those of the rays are added."""
+    rays, turned = panels.rays()
+    values, errors = np.moveaxis(batch([rays, views[panels.view][:, None]], parameters), -1, 0) * turned
+    value, within = values @ KRONROD, errors @ KRONROD
+    apart = abs(values @ (KRONROD - GAUSS))
+    around = abs(values - value[:, None] / 2) @ KRONROD + NOTHING
+    return Sums(value, around * np.minimum(1, 2000 * apart / around) ** power, within)
+
+
+# --- all views --------------------------------------------------------------------------------------------------------
+
+
+class Effort(NamedTuple):
+    """How much is known of a model, and so is spent on it.
+
+    levels: of rules along a ray, the first after which it may end, and how many there are. power: of the difference of two
+    rules over the angle, 1.5 for functions smooth between cuts. halvings: of panels, to begin with. most: rays of one view,
+    after which the error is told as it is.
+    """
+
+    levels: tuple[float, float]
+    power: float
+    halvings: int
+    most: int
+
+
+KNOWN = Effort((2.0, float(LEVELS)), 1.5, 0, 30000)
+UNKNOWN = Effort((2.0, 5.0), 1.0, 1, 3000)
+
+
+class Reflected(NamedTuple):
+    """Shares of light that are reflected and bounds of their errors, of views (..., 3), by kernels and their parameters.
+
+    mirrored: whether both sides of the view's plane are alike.
+    """
+
+    kernels: tuple[Callable[..., Any], ...]
+    parameters: tuple[Any, ...]
+    effort: Effort
+    mirrored: bool
+
+    def __call__(self, wo: Any) -> tuple[Any, Any]:
+        wo = as_vectors("wo", wo)
+        views = wo.reshape(-1, 3).astype(np.float64)
+        above = np.flatnonzero(views[:, 2] > 0)
+        both = np.zeros((2, len(views)))
+        for k in range(0, len(above), TOGETHER):
+            some = above[k : k + TOGETHER]
+            both[:, some] = self._over_rays(views[some])
+        both[1] += (ROUNDING + np.finfo(wo.dtype).eps) * both[0]
+        value, error = both.astype(wo.dtype).reshape(2, *wo.shape[:-1])
+        return value[()], error[()]
+
+    def _over_rays(self, views: np.ndarray) -> np.ndarray:
+        """Values and errors (2, n): panels are halved until these add up to the tolerance."""
+        batch, count, effort = ray_batch(*self.kernels), len(views), self.effort
+        panels = first_panels(views, self.parameters[2], self.mirrored, effort.halvings)
+        sums = summed(batch, self.parameters, views, panels, effort.power)
+        rays = len(PLACES) * np.bincount(panels.view, minlength=count)
+        for _ in range(ROUNDS):
+            goal = TOLERANCE * np.bincount(panels.view, sums.value, count) / np.bincount(panels.view, minlength=count)
+            split = (sums.error > goal[panels.view]) & (rays < effort.most)[panels.view]
+            if not split.any():
+                break
+            children = panels.taken(split).halves()
+            found = summed(batch, self.parameters, views, children, effort.power)
+            rays += len(PLACES) * np.bincount(children.view, minlength=count)
+            panels, sums = _joined(panels.taken(~split), children), _joined(Sums(*(a[~split] for a in sums)), found)
+        value, error, within = (np.bincount(panels.view, part, count) for part in sums)
+        return (2 if self.mirrored else 1) * np.stack([value, SAFETY * (error + within)])
+
+
+def _joined(first: Any, second: Any) -> Any:
+    return type(first)(*(np.concatenate(both) for both in zip(first, second, strict=True)))
+
+
+FAMILIES = (GGX, Beckmann, Ward, BlinnPhong, NormalizedBlinnPhong)
+MODELS = (Smith, VCavity, Implicit, Kelemen, SchlickSmith)
+REFLECTANCES = (Mirror, Dielectric, Conductor, Schlick)
+ROUGH = 0.5  # roughness from which on light from the zenith is masked so much less than other that a ray is cut there
+UNEQUAL = 2.0  # ratio of roughnesses, likewise for light along the axis of the smaller
+NEVER = 4.0  # square of a cosine that no facet has
+
+
+def reflected_share(model: Masking, fresnel: Fresnel) -> Reflected:
+    """The same function for equal models."""
+    ndf, kind = model.ndf, type(fresnel)
+    parts = (type(ndf).kernel, model.view_kernel, model.shadowed_kernel, kind.kernel)
+    known = type(ndf) in FAMILIES and type(model) in MODELS and kind in REFLECTANCES
+    effort = KNOWN if known else UNKNOWN
+    rule = (ndf.reach, critical(fresnel), *effort.levels, bright(ndf.scale))
+    parameters = (model.parameters, fresnel.parameters, ndf.scale, *rule)
+    return Reflected((cuts_of(model), model.view_kernel, *parts), parameters, effort, ndf.isotropic and type(model) in MODELS)
+
+
+def cuts_of(model: Masking) -> Callable[..., Any]:
+    """The kernel that tells where a ray is cut."""
+    if isinstance(model, VCavity):
+        return cavity_creases
+    if isinstance(model, Smith) and model.correlation in ("direction", "height-direction"):
+        return equals
+    return bright_light
+
+
+def bright(scale: tuple[float, float]) -> float:
+    """Which of `bright_light` count: 0 none, 1 the zenith, 2 all."""
+    low, high = sorted(scale)
+    return 2.0 if high > UNEQUAL * low else float(high > ROUGH)
+
+
+def critical(fresnel: Fresnel) -> float:
+    """The square of the cosine beyond which reflection is total, or would be but for absorption."""
+    index, absorption = (*fresnel.parameters, 0.0)[:2] if isinstance(fresnel, Dielectric | Conductor) else (2.0, 0.0)
+    square = 1 - (index - absorption) * (index + absorption)
+    return square if 0 < square < 1 else NEVER
