@@ -57,12 +57,14 @@ class Pieces(NamedTuple):
 
 class Sight(NamedTuple):
     """What one view sees. area: what G1 leaves visible, over cos theta_o, and its error. norm, furnace: the same for the
-    integral of D_visible, and for mirrored light without shadowing. albedo: of mirror facets, and its error."""
+    integral of D_visible, and for mirrored light without shadowing. albedo: of mirror facets, and its error. limit: what the
+    albedo cannot exceed, infinite if nothing is known."""
 
     area: tuple[float, float]
     norm: tuple[float, float]
     furnace: tuple[float, float]
     albedo: tuple[float, float]
+    limit: float
 
 
 class Sights:
@@ -113,7 +115,7 @@ class Sights:
         norm = area  # D_visible is what is seen over the cosine, so its integral is the same sum
         apart = drawn.furnace()
         furnace = norm * (1 + float(apart.mean())), error + float(np.ptp(apart))
-        return Sight((area, error), (norm, error), furnace, drawn.albedo(area, error))
+        return Sight((area, error), (norm, error), furnace, *drawn.albedo(area, error))
 
     def _seen(self, part: Pieces, wo: np.ndarray, known: float) -> np.ndarray:
         """What G1 leaves of the facets, projected towards the view, over cos theta_o."""
@@ -221,8 +223,8 @@ class _Drawn:
         mirrored = reflected.scalar(at_h, there, o[2]) * 4 * cosine
         return np.asarray(mirrored / np.where(visible == 0, 1, visible) - (visible != 0))
 
-    def albedo(self, area: float, error: float) -> tuple[float, float]:
-        """Of mirror facets, with its error: what is seen, times the share of it that goes on to light.
+    def albedo(self, area: float, error: float) -> tuple[tuple[float, float], float]:
+        """Of mirror facets, with its error: what is seen, times the share of it that goes on to light; and its limit.
 
         If G2 nowhere exceeds G1 it is no more than what is seen, however few normals are drawn.
         """
@@ -230,12 +232,11 @@ class _Drawn:
             ratios = self._on(self._draw(count))
             spread = SURE * float(ratios.std()) / np.sqrt(count) + 1 / count * float(np.ptp(ratios) > 0)
             value = area * float(ratios.mean())
-            above = abs(area) * spread + error
-            if ratios.max() <= 1 + CLOSE:
-                above = min(above, max(area + error - value, error))
-            if not value - above <= 1 < value + above - 2 * error:
+            off = abs(area) * spread + error
+            limit = area + error if ratios.max() <= 1 + CLOSE else np.inf
+            if not value - off <= 1 < min(value + off, limit) - 2 * error:
                 break
-        return value, above
+        return (value, off), limit
 
     def _on(self, m: np.ndarray) -> np.ndarray:
         """G2 over G1, of the normals that mirror light from above the horizon; 0 for others."""
