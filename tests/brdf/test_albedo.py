@@ -12,8 +12,7 @@ import pytest
 from microfacet.brdf.compensation import mean_reflectance
 from microfacet.directions import spherical
 from microfacet.geometry.slopes import Distribution
-
-from tests.support.rows import Rows
+from rows import Rows
 
 # What a random case is made of. Few pairs of them, because each pair compiles for itself.
 MODELS: dict[str, Any] = {
