@@ -371,7 +371,7 @@ class Effort(NamedTuple):
     safety: float
 
 
-KNOWN = Effort((2.0, float(LEVELS)), 1.5, 0, 30000, 30.0)
+KNOWN = Effort((2.0, float(LEVELS)), 1.5, 1, 30000, 30.0)
 UNKNOWN = Effort((2.0, 5.0), 1.0, 1, 3000, 3.0)
 
 
