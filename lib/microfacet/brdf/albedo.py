@@ -246,7 +246,6 @@ _GAUSS[1::2] = 0.129484966168869693, 0.279705391489276668, 0.381830050505118945,
 PLACES = np.concatenate([-_HALF, _HALF[-2::-1]])
 KRONROD, GAUSS = (np.concatenate([half, half[-2::-1]]) for half in (_KRONROD, _GAUSS))
 NARROWEST = 1e-15  # width of an angle within which things change
-SAFETY = 30.0  # what the sum of estimated errors is multiplied by to be a bound: among random cases the truth then is within
 TOLERANCE = 1e-8  # of an albedo, to which panels are halved
 ROUNDS = 60
 TOGETHER = 256  # views at once
@@ -361,17 +360,19 @@ class Effort(NamedTuple):
 
     levels: of rules along a ray, the first after which it may end, and how many there are. power: of the difference of two
     rules over the angle, 1.5 for functions smooth between cuts. halvings: of panels, to begin with. most: rays of one view,
-    after which the error is told as it is.
+    after which the error is told as it is. safety: what the sum of estimated errors is multiplied by to be a bound, so that
+    among random cases the truth is within.
     """
 
     levels: tuple[float, float]
     power: float
     halvings: int
     most: int
+    safety: float
 
 
-KNOWN = Effort((2.0, float(LEVELS)), 1.5, 0, 30000)
-UNKNOWN = Effort((2.0, 5.0), 1.0, 1, 3000)
+KNOWN = Effort((2.0, float(LEVELS)), 1.5, 1, 30000, 30.0)
+UNKNOWN = Effort((2.0, 5.0), 1.0, 1, 3000, 3.0)
 
 
 class Reflected(NamedTuple):
@@ -413,7 +414,7 @@ class Reflected(NamedTuple):
             rays += len(PLACES) * np.bincount(children.view, minlength=count)
             panels, sums = _joined(panels.taken(~split), children), _joined(Sums(*(a[~split] for a in sums)), found)
         value, error, within = (np.bincount(panels.view, part, count) for part in sums)
-        return (2 if self.mirrored else 1) * np.stack([value, SAFETY * (error + within)])
+        return (2 if self.mirrored else 1) * np.stack([value, self.effort.safety * (error + within)])
 
 
 def _joined(first: Any, second: Any) -> Any:
