@@ -88,9 +88,9 @@ def test_all_that_is_told_can_be_told_in_ascii() -> None:
     assert done.stdout.isascii()
 
 
-def test_without_a_compiler_there_is_a_sentence() -> None:
-    done = command("check", "visibility.ggx.Lambda", NUMBA_DISABLE_JIT="1")
-    assert done.stderr == "NUMBA_DISABLE_JIT is set, but a kernel must be compiled: unset it\n"
+def test_without_a_compiler_there_is_a_sentence(tmp_path: Path) -> None:
+    done = command("check", "visibility.ggx.Lambda", NUMBA_DISABLE_JIT="1", MICROFACET_CACHE=str(tmp_path))
+    assert done.stderr == "NUMBA_DISABLE_JIT is set, and microfacet's kernels have to be compiled: unset it\n"
     assert done.returncode == 2
 
 
@@ -116,7 +116,8 @@ def test_what_is_left_out_without_python_flint_is_told(
         ("--alpha 0.3 --ratio -1:2", "ratio must"),
         ("--alpha 0.3 --light -1:2", "light must"),
         ("--alpha 0.3 --fresnel 1", "fresnel must reflect light, which an index of 1 does not, got dielectric 1"),
-        ("--alpha 0.3 --fresnel 1,0", "k must"),
+        ("--alpha 0.3 --fresnel 1,0", "fresnel must reflect light, which an index of 1 does not, got conductor 1 + 0i"),
+        ("--alpha 0.3 --fresnel 1,-1", "k must"),
         ("--alpha 0.3 --fresnel -1.5,2", "eta must"),
         ("--alpha 0.3 --chart x.gif", "chart must end in .svg, .pdf or .png, got 'x.gif'"),
         ("--alpha 0.3 --chart .", "chart must end in"),

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from microfacet import kernels
+from microfacet import processors
 from microfacet.directions import spherical
 from microfacet.kernels import Batch
 
@@ -42,7 +42,7 @@ class Method:
 
 def _text(thing: Any) -> str:
     if isinstance(thing, Batch):
-        return thing.text(np.float64) + inspect.getsource(Batch) + inspect.getsource(kernels._share)
+        return thing.text(np.float64) + inspect.getsource(Batch) + inspect.getsource(processors.spread)
     return inspect.getsource(thing)
 
 

@@ -14,8 +14,9 @@ from method import Method
 RECORD = Path("records/benchmarks.json")
 
 
-def read(path: Path = RECORD) -> dict[str, Any]:
+def read(path: Path | None = None) -> dict[str, Any]:
     """Every quantity measured so far, by name; nothing if there is no record, and the end if it is torn or something else."""
+    path = path or RECORD
     if not path.exists():
         return {}
     try:

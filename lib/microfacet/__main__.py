@@ -126,7 +126,7 @@ def main(words: Sequence[str] | None = None) -> int:
         return 141
     except KeyboardInterrupt:
         return 130
-    except (ValueError, OSError) as fault:
+    except (ValueError, OSError, RuntimeError) as fault:
         _abandon(sys.stdout)
         print(_sentence(fault), file=sys.stderr)
         return 2

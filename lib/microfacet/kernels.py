@@ -404,8 +404,6 @@ class Batch:
         """The loop itself, without the dispatcher that would look at the types of what it is called with."""
         import numba
 
-        if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
-            raise ValueError("NUMBA_DISABLE_JIT is set, but a kernel must be compiled: unset it")
         kind = numba.typeof(parameters)
         if (real, kind, single, kinds) not in self._loops:
             text = self.text(real, single, kinds)

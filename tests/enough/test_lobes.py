@@ -204,9 +204,10 @@ def test_mirrors_send_all_light_out_however_few_the_walks(alpha: float, walks: i
     found = walked(Scene(alpha), point, walks)
     rule = found.once.error().sum()
     assert abs(found.lobe.sum() - 1) <= rule + found.bound(total) + 1e-12
-    assert found.bound(total) < 1e-9
+    albedo, off = mf.Microfacet(mf.Smith(mf.GGX(alpha))).albedo_with_error(point.wo)
+    assert found.bound(total) < 1.01 * off + 1e-9
     assert np.ptp(total(found.lobes)) < 1e-12  # in each part as well, whatever its weights add up to
-    assert found.lobe.sum() - found.once.lobe.sum() > 0.9 * (1 - mf.Microfacet(mf.Smith(mf.GGX(alpha))).albedo(point.wo))
+    assert found.lobe.sum() - found.once.lobe.sum() > 0.9 * (1 - albedo)
 
 
 @pytest.mark.parametrize("fresnel", [METAL, GLASS, WATER], ids=["metal", "glass", "water"])
