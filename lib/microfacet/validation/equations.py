@@ -15,6 +15,7 @@ from microfacet.geometry.panels import Panels
 from microfacet.geometry.slopes import Distribution
 from microfacet.validation.over_panels import DRAWN, MORE, ROUNDING, Kernels, Sight, Sights
 from microfacet.visibility.masking import Masking
+from microfacet.visibility.smith import Smith
 
 TOLERANCE = 1e-9  # what a relative residual may be and still count as rounding and quadrature
 ALIKE = 1e-7  # how far D of an isotropic distribution may differ between azimuths, of its largest value on the same ring
@@ -310,9 +311,10 @@ def _energy_verdict(model: Masking, found: list[Sight], views: np.ndarray, toler
 
 
 def _albedos(model: Masking, found: list[Sight], views: np.ndarray) -> tuple[np.ndarray, np.ndarray, str]:
-    """By quadrature where its kinks are known. Elsewhere that would take long to compile, and a few normals suffice."""
+    """By quadrature where its kinks are known and masking has a closed form. Elsewhere that takes long, and a few normals do."""
     reflected = Microfacet(model).reflected
-    if reflected.effort == KNOWN:
+    closed = not isinstance(model, Smith) or type(model.ndf).closed_Lambda is not None
+    if closed and reflected.effort == KNOWN:
         return *reflected(views), "albedos by quadrature"
     values, bounds = np.array([sight.albedo for sight in found]).T
     return values, bounds, f"light followed from {DRAWN} to {MORE} normals each"
