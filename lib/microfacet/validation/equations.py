@@ -311,7 +311,7 @@ def _energy_verdict(model: Masking, found: list[Sight], views: np.ndarray, toler
 
 
 def _albedos(model: Masking, found: list[Sight], views: np.ndarray) -> tuple[np.ndarray, np.ndarray, str]:
-    """By quadrature where its kinks are known and masking has a closed form. Elsewhere that takes long, and a few normals do."""
+    """By quadrature where kinks are known and masking has a closed form. Elsewhere that takes long, and a few normals do."""
     reflected = Microfacet(model).reflected
     closed = not isinstance(model, Smith) or type(model.ndf).closed_Lambda is not None
     if closed and reflected.effort == KNOWN:
