@@ -310,3 +310,38 @@ def test_of_many_values_of_what_is_built_all_are_numbers(name: str, real: type) 
     done = run_built(name, real, count, ALPHAS)
     print(f"{name} {real.__name__}: {done} values, all numbers")
     assert done == count * len(ALPHAS)
+
+
+ENERGY: dict[str, Callable[[mf.Microfacet], Any]] = {
+    "albedo": lambda brdf: brdf,
+    "lobe": lambda brdf: mf.Compensated(brdf, "lobe"),
+    "scaled": lambda brdf: mf.Compensated(brdf, "scaled"),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ENERGY)
+@pytest.mark.parametrize("real", REALS)
+def test_energy_is_a_number_with_an_error_that_is_one(name: str, real: type) -> None:
+    rng = np.random.default_rng(9)
+    for alpha in ALPHAS[:3]:
+        brdf = ENERGY[name](mf.Microfacet(mf.Smith(mf.GGX(*alpha))))
+        wo, wi = pairs(10, real, rng)
+        values, (share, error) = brdf.evaluate(wo, wi), brdf.albedo_with_error(wo)
+        for found in (values, share, error):
+            assert np.isfinite(found).all(), (name, alpha)
+            assert (found >= 0).all(), (name, alpha)
+        assert (share <= 1 + error).all(), (name, alpha)
+        np.testing.assert_array_equal(brdf.evaluate(wo, wi * np.array([1, 1, -1], real)), 0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("alpha", ALPHAS[:3])
+def test_random_walks_give_numbers(alpha: tuple[float, float]) -> None:
+    wo, wi = pairs(20, np.float64, np.random.default_rng(10))
+    walk = mf.RandomWalk(mf.Smith(mf.GGX(*alpha)))
+    value, error = walk.evaluate(wo, wi, walks=16)[:2]
+    for found in (value, error):
+        assert np.isfinite(found).all()
+        assert (found >= 0).all()
+    assert (walk.evaluate(wo, -wi, walks=16)[0] == 0).all()
