@@ -324,7 +324,8 @@ def _amplitudes(c: float, eta: float, k: float) -> mpmath.mpf:
 
 
 def _reflected(real: type, absorptions: Array) -> Array:
-    cosines, found = COSINES.astype(real), []
+    cosines: Array = COSINES.astype(real)
+    found = []
     for eta in (rounded(eta, real) for eta in INDICES if eta != 1):
         for k in (rounded(k, real) for k in absorptions):
             exact = [_amplitudes(float(c), eta, k) for c in cosines]
@@ -333,7 +334,8 @@ def _reflected(real: type, absorptions: Array) -> Array:
 
 
 def _approximated(real: type) -> Array:
-    cosines, found = COSINES.astype(real), []
+    cosines: Array = COSINES.astype(real)
+    found = []
     for F0 in (rounded(F0, real) for F0 in np.logspace(-8, 0, 9)):
         with mpmath.workdps(DIGITS):
             exact = [F0 + (1 - mpmath.mpf(F0)) * (1 - mpmath.mpf(float(c))) ** 5 for c in cosines]
