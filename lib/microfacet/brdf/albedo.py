@@ -23,7 +23,7 @@ from microfacet.geometry.blinn_phong import BlinnPhong, NormalizedBlinnPhong
 from microfacet.geometry.ggx import GGX
 from microfacet.geometry.ward import Ward
 from microfacet.kernels import Batch
-from microfacet.material.fresnel import Conductor, Dielectric, Fresnel, Mirror, Schlick
+from microfacet.material.fresnel import Conductor, Dielectric, F82Tint, Fresnel, Mirror, Schlick
 from microfacet.visibility.masking import Masking
 from microfacet.visibility.smith import Smith
 from microfacet.visibility.unphysical import Implicit, Kelemen, SchlickSmith
@@ -245,6 +245,7 @@ _GAUSS = np.zeros(8)
 _GAUSS[1::2] = 0.129484966168869693, 0.279705391489276668, 0.381830050505118945, 0.417959183673469388
 PLACES = np.concatenate([-_HALF, _HALF[-2::-1]])
 KRONROD, GAUSS = (np.concatenate([half, half[-2::-1]]) for half in (_KRONROD, _GAUSS))
+CHANGE = 1e-5  # width of an angle within which things change beside a ray whose cuts change
 NARROWEST = 1e-15  # width of an angle within which things change
 TOLERANCE = 1e-8  # of an albedo, to which panels are halved
 ROUNDS = 60
@@ -283,11 +284,38 @@ class Panels(NamedTuple):
         return np.stack([c * u - s * v, s * u + c * v], axis=-1), half * self.width[:, None] * np.cosh(t)
 
 
-def special_rays(views: np.ndarray, scale: tuple[float, float], mirrored: bool) -> tuple[np.ndarray, np.ndarray]:
+def cosines_of_changes(z: np.ndarray, square: float, cavity: bool) -> np.ndarray:
+    """Azimuths from the view's at which the cuts of a ray change, as cosines (n, m); not in [-1, 1] where there is none.
+
+    Where the ray touches the cone of total reflection, first on one side, then on the other; where it leaves that cone at the
+    edge of the disc; and where creases of V-cavities meet each other or that edge. square: of the critical cosine.
+    """
+    sine = np.sqrt((1 - z) * (1 + z))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        touching = np.sqrt(square - z * z) / sine
+        grazing = (2 * square - 1) / sine  # cosine of the azimuth of light at the horizon, where it just meets the cone
+        leaving = -(sine + grazing) / np.sqrt(sine**2 + 2 * sine * grazing + 1)
+        steep = z / sine
+        found = [touching, -touching, np.where(abs(grazing) <= 1, leaving, np.nan)]
+        return np.stack([*found, *([steep, -steep, -steep / np.sqrt(3)] if cavity else [])], axis=-1)
+
+
+def rays_of_changes(views: np.ndarray, scale: tuple[float, float], cosines: np.ndarray, side: float) -> np.ndarray:
+    """The rays (n, m, 2) at these azimuths on one side of the view, 1 or -1; no numbers where there is none."""
+    x, y = views[:, :1], views[:, 1:2]
+    with np.errstate(invalid="ignore"):
+        sines = side * np.sqrt((1 - cosines) * (1 + cosines))
+        return _unit(np.stack([(cosines * x - sines * y) / scale[0], (sines * x + cosines * y) / scale[1]], axis=-1))
+
+
+def special_rays(
+    views: np.ndarray, scale: tuple[float, float], mirrored: bool, changes: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Rays (n, m, 2) around which the integral over a ray may change fast, in order, and within which angle: (n, m).
 
-    The ray along the edge of the disc, that to the facet that reflects the zenith, and the axis of the smaller roughness.
-    mirrored: whether both sides of the view's plane are alike, so that one will do.
+    The ray along the edge of the disc, that to the facet that reflects the zenith, the axis of the smaller roughness, and
+    those where the cuts of a ray change, given by their azimuths' cosines. mirrored: whether both sides of the view's plane are
+    alike, so that one will do.
     """
     x, y, z = views.T
     towards = np.stack([scale[0] * x, scale[1] * y], axis=-1)
@@ -304,22 +332,39 @@ def special_rays(views: np.ndarray, scale: tuple[float, float], mirrored: bool) 
     narrow, wide = ([1.0, 0.0], [0.0, 1.0]) if scale[0] < scale[1] else ([0.0, 1.0], [1.0, 0.0])
     one = np.ones(len(views))
     if mirrored:
-        return _unit(np.stack([towards, across, -towards], axis=1)), np.stack([one, edge, tip], axis=1)
-    rays = np.stack([across, plane, *(np.broadcast_to(axis, plane.shape) for axis in (narrow, wide))], axis=1)
-    widths = np.stack([edge, tip, one * min(scale) / max(scale), one], axis=1)
-    rays, widths = np.concatenate([rays, -rays], axis=1), np.concatenate([widths, widths], axis=1)
-    order = np.argsort(np.arctan2(rays[..., 1], rays[..., 0]), axis=1)
-    rays, widths = np.take_along_axis(rays, order[..., None], axis=1), np.take_along_axis(widths, order, axis=1)
-    return _unit(np.concatenate([rays, rays[:, :1]], axis=1)), np.concatenate([widths, widths[:, :1]], axis=1)
+        rays, widths = np.stack([towards, across, -towards], axis=1), np.stack([one, edge, tip], axis=1)
+    else:
+        rays = np.stack([across, plane, *(np.broadcast_to(axis, plane.shape) for axis in (narrow, wide))], axis=1)
+        widths = np.stack([edge, tip, one * min(scale) / max(scale), one], axis=1)
+        rays, widths = np.concatenate([rays, -rays], axis=1), np.concatenate([widths, widths], axis=1)
+    beside = [rays_of_changes(views, scale, changes, side) for side in ((1,) if mirrored else (1, -1))]
+    found = np.concatenate([_unit(rays), *beside], axis=1)
+    none = ~np.isfinite(found).all(axis=-1)
+    found[none] = np.broadcast_to(found[:, :1], found.shape)[none]
+    widths = np.concatenate([widths, *(np.full(part.shape[:2], CHANGE) for part in beside)], axis=1)
+    widths[none] = np.broadcast_to(widths[:, :1], widths.shape)[none]
+    return _in_order(found, widths, _unit(towards[:, None]) if mirrored else None)
+
+
+def _in_order(rays: np.ndarray, widths: np.ndarray, start: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+    """By their angle: half a turn from the start, or a whole one, which ends at the ray where it began."""
+    u, v = rays[..., 0], rays[..., 1]
+    if start is None:
+        order = np.argsort(np.arctan2(v, u), axis=1)
+        order = np.concatenate([order, order[:, :1]], axis=1)
+    else:
+        a, b = start[..., 0], start[..., 1]
+        order = np.argsort(abs(np.arctan2(a * v - b * u, a * u + b * v)), axis=1)
+    return np.take_along_axis(rays, order[..., None], axis=1), np.take_along_axis(widths, order, axis=1)
 
 
 def _unit(rays: np.ndarray) -> np.ndarray:
     return np.asarray(rays / np.hypot(rays[..., 0], rays[..., 1])[..., None])
 
 
-def first_panels(views: np.ndarray, scale: tuple[float, float], mirrored: bool, halvings: int) -> Panels:
+def first_panels(views: np.ndarray, scale: tuple[float, float], mirrored: bool, halvings: int, changes: np.ndarray) -> Panels:
     """Panels from each special ray half way to the next, and back."""
-    rays, widths = special_rays(views, scale, mirrored)
+    rays, widths = special_rays(views, scale, mirrored, changes)
     a, b = rays[:, :-1], rays[:, 1:]
     apart = np.arctan2(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0], (a * b).sum(axis=-1)) / 2
     view = np.broadcast_to(np.arange(len(views))[:, None], apart.shape)
@@ -401,7 +446,8 @@ class Reflected(NamedTuple):
     def _over_rays(self, views: np.ndarray) -> np.ndarray:
         """Values and errors (2, n): panels are halved until these add up to the tolerance."""
         batch, count, effort = ray_batch(*self.kernels), len(views), self.effort
-        panels = first_panels(views, self.parameters[2], self.mirrored, effort.halvings)
+        changes = cosines_of_changes(views[:, 2], self.parameters[4], self.kernels[0] is cavity_creases)
+        panels = first_panels(views, self.parameters[2], self.mirrored, effort.halvings, changes)
         sums = summed(batch, self.parameters, views, panels, effort.power)
         rays = len(PLACES) * np.bincount(panels.view, minlength=count)
         for _ in range(ROUNDS):
@@ -423,7 +469,7 @@ def _joined(first: Any, second: Any) -> Any:
 
 FAMILIES = (GGX, Beckmann, Ward, BlinnPhong, NormalizedBlinnPhong)
 MODELS = (Smith, VCavity, Implicit, Kelemen, SchlickSmith)
-REFLECTANCES = (Mirror, Dielectric, Conductor, Schlick)
+REFLECTANCES = (Mirror, Dielectric, Conductor, Schlick, F82Tint)
 ROUGH = 0.5  # roughness from which on light from the zenith is masked so much less than other that a ray is cut there
 UNEQUAL = 2.0  # ratio of roughnesses, likewise for light along the axis of the smaller
 NEVER = 4.0  # square of a cosine that no facet has
