@@ -44,10 +44,14 @@ def test_digits_to_trust_are_those_that_are_found() -> None:
     """Rounded down; in the last place processors may differ."""
     from microfacet.validation import trust
 
-    header = trust.table().splitlines()[:2]
-    rows = TEXT[TEXT.index("\n".join(header)) :].splitlines()[2:]
-    for row, (name, found) in zip(rows, trust.digits_to_trust().items(), strict=False):
+    for found in (trust.digits_to_trust(), trust.further_digits()):
+        assert_printed(found)
+
+
+def assert_printed(found: dict[str, list[float]]) -> None:
+    rows = TEXT[TEXT.index(f"| {next(iter(found))} |") :].splitlines()
+    for row, (name, digits) in zip(rows, found.items(), strict=False):
         printed = [cell.strip() for cell in row.strip("|").split("|")]
         assert printed[0] == name
-        assert all(-0.1 < digits - int(cell) < 1.1 for digits, cell in zip(found, printed[1:], strict=True))
-    assert not rows[len(trust.PARTS)].startswith("|")
+        assert all(-0.1 < one - int(cell) < 1.1 for one, cell in zip(digits, printed[1:], strict=True))
+    assert not rows[len(found)].startswith("|")

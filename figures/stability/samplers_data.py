@@ -89,7 +89,7 @@ def compute() -> dict:
             data[f"newton_{name}"] = [max(newton_error(theta, steps, real) for theta in THETA) for steps in STEPS]
     z = ggx_across(U)
     data["across"] = np.abs(0.5 + (z / (1 + z * z) + np.arctan(z)) / np.pi - U)
-    return rounded(data, digits=3)
+    return rounded(data, digits=3) | {"u": U}  # the axis needs more digits than what is drawn over it
 
 
 if __name__ == "__main__":

@@ -14,15 +14,20 @@ import mpmath
 import numpy as np
 from numpy.typing import NDArray
 
+from microfacet.brdf.diffuse import Diffuse
 from microfacet.brdf.specular import Microfacet
 from microfacet.geometry import beckmann, ggx
 from microfacet.geometry.beckmann import Beckmann
+from microfacet.geometry.blinn_phong import NormalizedBlinnPhong
 from microfacet.geometry.ggx import GGX
 from microfacet.geometry.slopes import Distribution
+from microfacet.geometry.ward import Ward
 from microfacet.kernels import Batch
+from microfacet.material.fresnel import Conductor, Dielectric, Schlick
 from microfacet.statement import DIGITS
 from microfacet.visibility import smith
 from microfacet.visibility.smith import Smith
+from microfacet.visibility.v_cavity import VCavity
 
 Array = NDArray[Any]
 Maker = Callable[[float], Distribution]
@@ -245,9 +250,150 @@ def digits_to_trust() -> dict[str, list[float]]:
     return {name: [fewest(part, kind, real) for kind in FAMILIES for real in PRECISIONS] for name, part in PARTS.items()}
 
 
+# --- further models ---------------------------------------------------------------------------------------------------
+
+INDICES = np.logspace(-3, 3, 25)
+COSINES = np.append(np.logspace(-8, -0.1, 14), 1.0)
+EXPONENTS = np.minimum(2 / ALPHA[::FEWER] ** 2, 1e16)
+MATT = np.logspace(-8, 1, 7)  # roughnesses, and
+MATT_TANGENT = np.logspace(-8, 2, 6)  # tangents of the lights
+CORE = 30  # digits of an integral by quadrature
+
+
+def _power(n: float, m: Any) -> mpmath.mpf:
+    """D of the normalised Blinn-Phong distribution."""
+    with mpmath.workdps(DIGITS):
+        x, y, z = map(mpmath.mpf, map(_wide, m))
+        return (n + mpmath.mpf(2)) / (2 * mpmath.pi) * (z / mpmath.sqrt(x * x + y * y + z * z)) ** n
+
+
+def _power_normals(real: type) -> Array:
+    m = directions(real, TANGENT[::FEWER])
+    exponents = [rounded(n, real) for n in EXPONENTS]
+    return np.array([digits(NormalizedBlinnPhong(n).D(m), [_power(n, one) for one in m], real) for n in exponents])
+
+
+def _power_lobe(n: float, wo: Array, wi: Array) -> mpmath.mpf:
+    """The BRDF of V-cavities for F = 1."""
+    with mpmath.workdps(DIGITS):
+        m, (z_o, z_i) = half(wo, wi), (mpmath.mpf(float(w[2])) for w in (wo, wi))
+        middle = sum(c * mpmath.mpf(float(a)) for c, a in zip(m, wo, strict=True))
+        return _power(n, m) * min(1, 2 * m[2] * min(z_o, z_i) / middle) / (4 * z_o * z_i)
+
+
+def _power_lobes(real: type) -> Array:
+    views, found = directions(real, TANGENT[::FEWER]), []
+    for n in (rounded(n, real) for n in EXPONENTS):
+        for lights in (views * np.array([-1, -1, 1], real), np.roll(views, 1, axis=0)):
+            exact = [_power_lobe(n, *pair) for pair in zip(views, lights, strict=True)]
+            found.append(digits(Microfacet(VCavity(NormalizedBlinnPhong(n))).evaluate(views, lights), exact, real))
+    return np.array(found)
+
+
+def _power_drawn(real: type) -> Array:
+    """The tangents of drawn normals."""
+    u: Array = np.array([(1e-6, 0.1), (0.3, 0.4), (0.99, 0.7)], real)
+    found = []
+    for n in (rounded(n, real) for n in EXPONENTS):
+        m = NormalizedBlinnPhong(n).sample(u).astype(float)
+        with mpmath.workdps(DIGITS):
+            exact = [mpmath.sqrt((1 - mpmath.mpf(float(one))) ** (-2 / (n + mpmath.mpf(2))) - 1) for one in u[:, 0]]
+        found.append(digits(np.hypot(m[:, 0], m[:, 1]) / m[:, 2], exact, real))
+    return np.array(found)
+
+
+def _ward_D(alpha: tuple[float, float], m: Array) -> mpmath.mpf:
+    with mpmath.workdps(DIGITS):
+        x, y, z, a, b = map(mpmath.mpf, map(float, [*m, *alpha]))
+        return mpmath.exp(-((x / a) ** 2 + (y / b) ** 2) / z**2) / (mpmath.pi * a * b)
+
+
+def _ward_normals(real: type) -> Array:
+    m = directions(real, TANGENT[::FEWER])
+    pairs = [(rounded(a, real), rounded(a * r, real)) for r in RATIOS for a in ALPHA[::FEWER] if a * r > 0.99 * ALPHA[0]]
+    return np.array([digits(Ward(*pair).D(m), [_ward_D(pair, one) for one in m], real) for pair in pairs])
+
+
+def _amplitudes(c: float, eta: float, k: float) -> mpmath.mpf:
+    """The mean of the squared amplitudes of both polarisations, from Snell's law."""
+    with mpmath.workdps(DIGITS):
+        index, c = mpmath.mpc(eta, k), mpmath.mpf(c)
+        root = mpmath.sqrt(index**2 - 1 + c * c)
+        across, along = (c - root) / (c + root), (index**2 * c - root) / (index**2 * c + root)
+        return (abs(across) ** 2 + abs(along) ** 2) / 2
+
+
+def _reflected(real: type, absorptions: Array) -> Array:
+    cosines: Array = COSINES.astype(real)
+    found = []
+    for eta in (rounded(eta, real) for eta in INDICES if eta != 1):
+        for k in (rounded(k, real) for k in absorptions):
+            exact = [_amplitudes(float(c), eta, k) for c in cosines]
+            found.append(digits((Conductor(eta, k) if k else Dielectric(eta)).F(cosines), exact, real))
+    return np.array(found)
+
+
+def _approximated(real: type) -> Array:
+    cosines: Array = COSINES.astype(real)
+    found = []
+    for F0 in (rounded(F0, real) for F0 in np.logspace(-8, 0, 9)):
+        with mpmath.workdps(DIGITS):
+            exact = [F0 + (1 - mpmath.mpf(F0)) * (1 - mpmath.mpf(float(c))) ** 5 for c in cosines]
+        found.append(digits(Schlick(F0).F(cosines), exact, real))
+    return np.array(found)
+
+
+def exact_matt(ndf: Distribution, wi: Array) -> mpmath.mpf:
+    """The BRDF of matt GGX facets seen from above, by one integral over the slope: that over its azimuth has a closed form."""
+    with mpmath.workdps(CORE):
+        (alpha, _), up = map(mpmath.mpf, ndf.parameters), mpmath.pi
+        steep = alpha * mpmath.hypot(*map(float, wi[:2])) / float(wi[2])
+
+        def lit(r: mpmath.mpf) -> mpmath.mpf:
+            s = steep * r
+            return 2 * up if s <= 1 else 2 * (up - mpmath.acos(1 / s) + mpmath.sqrt(s * s - 1))
+
+        def part(t: mpmath.mpf) -> mpmath.mpf:
+            r = mpmath.exp(t)
+            return r * r * lit(r) / (up * (1 + r * r) ** 2 * mpmath.sqrt(1 + (alpha * r) ** 2))
+
+        ends = sorted({*map(mpmath.mpf, (-40, -10, 0, 10, 40, 75)), -mpmath.log(steep)})
+        whole = mpmath.quad(part, [end for end in ends if -40 <= end <= 75])
+        return whole * exact_G1(ndf, wi) / mpmath.pi
+
+
+def _matt(real: type) -> Array:
+    lights, models = directions(real, MATT_TANGENT), [GGX(rounded(alpha, real)) for alpha in MATT]
+    up: Array = np.array([0, 0, 1], real)
+    exact = [[exact_matt(ndf, wi) for wi in lights] for ndf in models]
+    values = [Diffuse(Smith(ndf)).evaluate(up, lights) for ndf in models]
+    return np.array([digits(*pair, real) for pair in zip(values, exact, strict=True)])
+
+
+FURTHER: dict[str, Callable[[type], Array]] = {
+    "`NormalizedBlinnPhong.D`": _power_normals,
+    "`NormalizedBlinnPhong.sample`": _power_drawn,
+    "`evaluate` of it under `VCavity`": _power_lobes,
+    "`Ward.D`": _ward_normals,
+    "`Dielectric.F`": lambda real: _reflected(real, np.zeros(1)),
+    "`Conductor.F`": lambda real: _reflected(real, np.logspace(-3, 3, 5)),
+    "`Schlick.F`": _approximated,
+    "`Diffuse.evaluate`": _matt,
+}
+
+
+def further_digits() -> dict[str, list[float]]:
+    """Fewest right digits of further models, in double and in single precision."""
+    return {name: [float(np.nanmin(part(real))) for real in PRECISIONS] for name, part in FURTHER.items()}
+
+
 def table() -> str:
-    """The digits that may be trusted, in Markdown: whole digits, rounded down, at the worst point of the domain."""
+    """The digits that may be trusted, two tables in Markdown: whole digits, rounded down, at the worst point of the domain."""
     names = [f"{kind.__name__}, {precision}" for kind in FAMILIES for precision in ("double", "single")]
+    return "\n\n".join([_table(names, digits_to_trust()), _table(["double", "single"], further_digits())])
+
+
+def _table(names: list[str], rows: dict[str, list[float]]) -> str:
     lines = [["right digits, at least", *names], [":--", *["--:"] * len(names)]]
-    lines += [[name, *(str(int(found)) for found in row)] for name, row in digits_to_trust().items()]
+    lines += [[name, *(str(int(found)) for found in row)] for name, row in rows.items()]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
