@@ -38,7 +38,8 @@ KINDS = [
     *[("kelemen", mf.Ward, "conductor"), ("schlick", mf.GGX, "dielectric"), ("smith", mf.NormalizedBlinnPhong, "dielectric")],
     *[("v_cavity", mf.BlinnPhong, "fit"), ("smith", mf.Ward, "mirror")],
 ]
-CASES = 1000
+CASES = 240
+GRAZING = 1e-3
 ENOUGH = 1e-8  # of an albedo: most truths are known better
 
 
@@ -82,13 +83,19 @@ def compared(k: int) -> tuple[float, float, float]:
 
 @pytest.mark.slow
 def test_the_error_told_bounds_the_distance_to_another_sum() -> None:
-    """Over all roughnesses, views and indices: in no case is the truth outside. The other sum's own error is allowed for."""
-    found = np.array([compared(k) for k in range(CASES)])
+    """Over roughnesses, views and indices: in no case is the truth outside. The other sum's own error is allowed for."""
+    found = np.array([compared(k) for k in range(CASES) if fair(*case(k))])
     ratio, told, off = found.T
-    print(f"truth over bound: median {np.median(ratio):.2g}, largest {ratio.max():.2g}; told: largest {told.max():.2g} of E")
+    print(f"{len(found)} cases, truth over bound: median {np.median(ratio):.2g}, largest {ratio.max():.2g}")
     assert (ratio <= 1 + off / told).all(), np.argmax(ratio)
     assert np.mean(told < 1e-6) > 0.99
     assert np.mean(off < ENOUGH) > 0.9
+
+
+def fair(brdf: mf.Microfacet, wo: np.ndarray) -> bool:
+    """Whether the other sum is right, and takes seconds: not beside the horizon, not where steep facets and azimuths meet."""
+    blended = isinstance(brdf.model, mf.Smith) and brdf.model.correlation in ("direction", "height-direction")
+    return bool(wo[2] > GRAZING) and not blended
 
 
 def at(degrees: float, phi: float = 0.0) -> np.ndarray:

@@ -43,9 +43,10 @@ def normalized_power(x: float, y: float, z: float, n: float) -> float:
 # --- statements ---------------------------------------------------------------------------------------------------
 
 
-def _length_steps() -> list[Any]:
-    """Over its length, which is 1, a unit vector's height is the cosine."""
-    return [(wm.x**2 + wm.y**2 + wm.z**2).subs(wm.spherical) - 1, wm.z.subs(wm.spherical) - sp.cos(wm.theta)]
+def _length_steps(it: Equation) -> list[Any]:
+    """Over its length, which is 1, a unit vector's height is the cosine; with that put in, both forms are the same."""
+    length = (wm.x**2 + wm.y**2 + wm.z**2).subs(wm.spherical) - 1
+    return [length, (it.computed_as.subs(_COSINE, wm.z) - it.equals).subs(wm.spherical)]
 
 
 with sp.evaluate(False):
@@ -58,7 +59,7 @@ with sp.evaluate(False):
         equals=chi(sp.cos(wm.theta)) * sp.cos(wm.theta) ** n,
         computed_as=chi(wm.z) * _COSINE**n,
         computed_by=power_of_cosine,
-        rewrite_proof=lambda: _length_steps(),
+        rewrite_proof=_length_steps,
         where=wm.spherical,
         over={wm: "hemisphere", n: EXPONENT},
         slides=(55,),
@@ -71,7 +72,7 @@ with sp.evaluate(False):
         equals=chi(sp.cos(wm.theta)) * (n + 2) / (2 * sp.pi) * sp.cos(wm.theta) ** n,
         computed_as=chi(wm.z) * (n + 2) / (2 * sp.pi) * _COSINE**n,
         computed_by=normalized_power,
-        rewrite_proof=lambda: _length_steps(),
+        rewrite_proof=_length_steps,
         where=wm.spherical,
         over={wm: "hemisphere", n: EXPONENT},
         slides=(55,),
