@@ -253,6 +253,7 @@ FRESNEL = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("real", REALS)
 def test_every_reflectance_is_a_number_from_0_to_1(real: type) -> None:
     cosine: np.ndarray = heights(20_000, real, np.random.default_rng(7), -20.0).astype(real)
@@ -310,7 +311,7 @@ def test_what_is_built_of_models_gives_numbers(name: str) -> None:
 @pytest.mark.parametrize("name", BUILT)
 @pytest.mark.parametrize("real", REALS)
 def test_of_many_values_of_what_is_built_all_are_numbers(name: str, real: type) -> None:
-    count = 200_000 if name.startswith("Smith") else 2000
+    count = 200_000 if name.startswith("Smith") else 20_000
     done = run_built(name, real, count, ALPHAS)
     print(f"{name} {real.__name__}: {done} values, all numbers")
     assert done == count * len(ALPHAS)
@@ -330,7 +331,7 @@ def test_energy_is_a_number_with_an_error_that_is_one(name: str, real: type) -> 
     rng = np.random.default_rng(9)
     for alpha in ALPHAS[:3]:
         brdf = ENERGY[name](mf.Microfacet(mf.Smith(mf.GGX(*alpha))))
-        wo, wi = pairs(10, real, rng)
+        wo, wi = pairs(3400, real, rng)
         values, (share, error) = brdf.evaluate(wo, wi), brdf.albedo_with_error(wo)
         for found in (values, share, error):
             assert np.isfinite(found).all(), (name, alpha)
