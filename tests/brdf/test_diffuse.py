@@ -59,7 +59,7 @@ def test_no_more_light_leaves_than_arrives(model: Any) -> None:
     """What is missing meets a second facet, as it does for mirrors."""
     value, error = mf.Diffuse(model).albedo_with_error(views(0, 60))
     assert ((value > 0.5) & (value < 1)).all()
-    assert (error < 1e-3).all()
+    assert (error < 2e-3).all()  # told with some reserve where V-cavities have creases
 
 
 def test_facets_that_keep_some_light() -> None:
