@@ -121,6 +121,10 @@ KNOWN = [  # by other programs, or by integrals over one variable
     ("cavity", lambda: mf.Microfacet(mf.VCavity(mf.GGX(1))), UP, 0.375, 1e-15),
     ("flat", lambda: mf.Microfacet(mf.Smith(mf.GGX(1e-8)), mf.Dielectric(1.5)), UP, 0.04, 1e-15),
     ("anchor", lambda: mf.Microfacet(mf.Smith(mf.GGX(1))), at(60), 1 - 0.5 * np.log(3), 1e-15),
+    # rays cut at the same kinks and summed by panels graded towards every ray whose cuts change, F and G2 written out again;
+    # the other sum of this file errs at both by more than it says
+    ("steep cavities", lambda: case(66)[0], case(66)[1], 0.626909064722797, 1e-14),
+    ("steep, by azimuth", lambda: case(4)[0], case(4)[1], 0.00347742965057218, 1e-15),
 ]
 
 
