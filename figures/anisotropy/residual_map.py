@@ -15,7 +15,7 @@ from microfacet import plotting
 
 SLIDES = (72,)
 TITLES = {"smith": r"Smith, $\alpha_o$", "v_cavity": "V-cavities", "mean": r"Smith, $\sqrt{\alpha_x \alpha_y}$"}
-LEVELS = np.arange(-11, 0.1, 1.0)
+LEVELS = np.arange(-10, 0.1, 1.0)
 
 
 def draw(data: dict) -> plotting.Figure:
@@ -31,7 +31,7 @@ def draw(data: dict) -> plotting.Figure:
         plotting.label(ax, (45, 44), says, color=shade)
     axes[0].set_ylabel(r"$\theta_o$ (degrees)")
     bar = figure.colorbar(filled, cax=figure.add_axes((0.895, 0.2, 0.02, 0.69)))
-    bar.set_ticks([-11, -8, -5, -2], labels=[r"$\leq 10^{-11}$", "$10^{-8}$", "$10^{-5}$", "$10^{-2}$"])
+    bar.set_ticks([-10, -7, -4, -1], labels=[r"$\leq 10^{-10}$", "$10^{-7}$", "$10^{-4}$", "$10^{-1}$"])
     return figure
 
 

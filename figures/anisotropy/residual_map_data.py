@@ -12,7 +12,7 @@ from microfacet.validation.tables import decide
 from microfacet.visibility.smith import Smith
 from microfacet.visibility.v_cavity import VCavity
 
-ALPHAS, FLOOR = (0.1, 0.6), 1e-11
+ALPHAS, FLOOR = (0.1, 0.6), 1e-10
 ROUGHNESS = (0.05, 0.1, 0.25, 0.5, 1.0)
 THETA, PHI = np.linspace(0, 88, 12), np.linspace(0, 90, 21)
 

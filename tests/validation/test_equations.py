@@ -184,6 +184,12 @@ def test_default_views_look_from_many_azimuths_unless_isotropy_is_declared() -> 
         assert set(np.round(np.degrees(np.arccos(found[:, 2])))) == {0, 15, 30, 45, 60, 75, 85, 89}
 
 
+@pytest.mark.parametrize("alpha", [1e-8, 1e-3, 0.01])
+def test_default_views_reach_down_to_where_facets_mask_each_other(alpha: float) -> None:
+    model = mf.Smith(mf.GGX(alpha))
+    assert 0.1 < model.G1(default_views(model.ndf), [0, 0, 1]).min() < 0.6
+
+
 def test_a_bound_above_the_tolerance_decides_nothing() -> None:
     found = mf.validate(mf.Smith(mf.GGX(0.4, 0.2)), SEEN, tolerance=1e-16)
     assert found["visible_area"].verdict == "undecided"

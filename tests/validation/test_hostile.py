@@ -114,6 +114,14 @@ def test_masking_of_another_distribution_fails() -> None:
     assert_right(mf.Smith(Borrowed(Shape(width1=0.3, heavy=1.0))))
 
 
+@pytest.mark.parametrize("width", [0.1, 8e-3, 1e-4, 1e-6])
+def test_masking_is_looked_at_where_a_smooth_surface_masks(width: float) -> None:
+    """At 89 degrees its facets hide hardly anything, and many folds differ from none by a part in 10^11."""
+    shape = Shape(width1=width, depth=0.9653, fold=14.0, turn=1.689, heavy=1.0)
+    assert_wrong(mf.Smith(Borrowed(shape)), VIEWED, ("projected_area", "positivity", "reciprocity"))
+    assert_right(mf.Smith(Hostile(shape)))
+
+
 @pytest.mark.parametrize("narrow", [0.5, 0.1, 0.03])
 def test_a_density_below_zero_fails(narrow: float) -> None:
     assert_wrong(mf.Smith(Hostile(Shape(notch=1.01, narrow=narrow, towards=0.4))), ("positivity",), ("projected_area", *VIEWED))

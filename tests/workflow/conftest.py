@@ -21,6 +21,15 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Checkout:
 
 
 @pytest.fixture
+def within(built: Checkout, monkeypatch: pytest.MonkeyPatch) -> Iterator[Checkout]:
+    """The built checkout as the current folder, with nothing remembered from another."""
+    monkeypatch.chdir(built.root)
+    forget()
+    yield built
+    forget()
+
+
+@pytest.fixture
 def small(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Checkout]:
     """A fresh checkout as the current folder, with nothing remembered from another."""
     checkout = Checkout(tmp_path / "small")

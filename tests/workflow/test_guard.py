@@ -204,8 +204,8 @@ def remembered(checkout: Checkout) -> dict[str, bytes]:
 
 
 @pytest.mark.slow
-def test_every_product_of_a_build_is_sealed(built: Checkout, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(built.root)
+@pytest.mark.usefixtures("within")
+def test_every_product_of_a_build_is_sealed() -> None:
     assert set(map(str, seal.sealed())) == set(build.products())
     assert seal.broken(map(Path, build.products())) == []
 
@@ -213,18 +213,17 @@ def test_every_product_of_a_build_is_sealed(built: Checkout, monkeypatch: pytest
 @pytest.mark.slow
 @pytest.mark.parametrize("fault", [alter, unseal])
 def test_a_build_ends_in_the_same_bytes_whatever_was_done_to_the_last_one(
-    built: Checkout, fault: Callable[[Path], None], monkeypatch: pytest.MonkeyPatch
+    within: Checkout, fault: Callable[[Path], None]
 ) -> None:
-    monkeypatch.chdir(built.root)
-    before = remembered(built)
+    before = remembered(within)
     for name in PRODUCTS:
         fault(Path(name))
-    assert "are not what their jobs made (torn, altered or unfinished), to be made again" in built.snakemake("-n").stdout
-    done = built.snakemake()
+    assert "are not what their jobs made (torn, altered or unfinished), to be made again" in within.snakemake("-n").stdout
+    done = within.snakemake()
     assert done.returncode == 0, done.stdout
     assert "Traceback" not in done.stdout
-    assert remembered(built) == before
-    assert "Nothing to be done" in built.snakemake().stdout
+    assert remembered(within) == before
+    assert "Nothing to be done" in within.snakemake().stdout
 
 
 @pytest.mark.slow

@@ -23,6 +23,10 @@ ALIKE = 1e-7  # how far D of an isotropic distribution may differ between azimut
 THETA = np.radians([0, 15, 30, 45, 60, 75, 85, 89])
 AZIMUTHS = 6  # from which each polar angle is looked at
 GOLDEN = 0.6180339887498949  # of a turn from one azimuth to the next: no symmetry hides between them
+GRAZING = (
+    0.5,
+    0.125,
+)  # of the slope scale: cotangents at which the facets of any surface mask each other
 TOWARDS = np.radians([60, 85])  # polar angles from which lobes that lean are looked at, along them and against
 LOBES = 2  # of those, so many
 
@@ -100,8 +104,9 @@ def validate(model: Masking, wo: Any = None, tolerance: float = TOLERANCE) -> Va
     """A verdict for each of the seven equations. heitz2014.
 
     wo: view directions (..., 3), unit vectors above the horizon, at least one, taken in double precision, where what rounding
-    left of their length is put right; by default 8 polar angles from 0 to 89 degrees, each from azimuths of its own, and views
-    along lobes that lean. tolerance: the largest relative residual that counts as rounding, above 0. ValueError for other views
+    left of their length is put right; by default 8 polar angles from 0 to 89 degrees, each from azimuths of its own, for smooth
+    surfaces also angles so near the horizon that facets mask each other, and views along lobes that lean. tolerance: the
+    largest relative residual that counts as rounding, above 0. ValueError for other views
     or tolerances, for anything but a masking model, where D is not finite, and for a distribution that says it is isotropic
     and is not.
     """
@@ -128,14 +133,30 @@ def validate(model: Masking, wo: Any = None, tolerance: float = TOLERANCE) -> Va
 def default_views(ndf: Distribution) -> np.ndarray:
     """View directions that a verdict rests on: for an isotropic distribution one of each polar angle, otherwise many azimuths.
 
-    No two azimuths are alike, and no symmetry has them in common. Without isotropy, lobes that lean are looked at along and
-    against their azimuth, and across.
+    No two azimuths are alike, and no symmetry has them in common. Smooth surfaces are also looked at so near the horizon that
+    their facets mask each other. Without isotropy, lobes that lean are looked at along and against their azimuth, and across.
     """
-    if ndf.isotropic:
-        return spherical(THETA, 2 * np.pi * GOLDEN * np.arange(len(THETA)))
-    theta = np.array([THETA[0], *np.tile(THETA[1:], AZIMUTHS)])
-    towards = [spherical(t, phi + turn) for phi in _leaning(ndf.panels) for t in TOWARDS for turn in (0, np.pi / 2, np.pi)]
-    return np.concatenate([spherical(theta, 2 * np.pi * GOLDEN * np.arange(len(theta))), *([towards] if towards else [])])
+    azimuths = 1 if ndf.isotropic else AZIMUTHS
+    theta = np.array([THETA[0], *np.tile(THETA[1:], azimuths)])
+    views = [spherical(theta, _spread(len(theta))), _grazing(ndf.scale, azimuths)]
+    if not ndf.isotropic:
+        views += [
+            spherical(t, phi + turn)[None] for phi in _leaning(ndf.panels) for t in TOWARDS for turn in (0, np.pi / 2, np.pi)
+        ]
+    return np.concatenate(views)
+
+
+def _spread(count: int) -> np.ndarray:
+    return np.asarray(2 * np.pi * GOLDEN * np.arange(count))
+
+
+def _grazing(scale: tuple[float, float], azimuths: int) -> np.ndarray:
+    """Views beyond the last polar angle whose cotangent is comparable to the slopes along their azimuth."""
+    cot = np.tile(GRAZING, azimuths)
+    phi = _spread(len(cot))
+    theta = np.arctan2(1, cot * np.hypot(scale[0] * np.cos(phi), scale[1] * np.sin(phi)))
+    beyond = theta > THETA[-1]
+    return spherical(theta[beyond], phi[beyond])
 
 
 def _leaning(found: Panels) -> list[float]:

@@ -54,8 +54,8 @@ MASKED_STRETCHED = ((0.1, 0.6),)
 class Trial:
     """One model with one set of parameters, and its verdicts. label: the parameters, as LaTeX.
 
-    found: by equation.
-    by_angle: the verdict on the visible area for each view angle, degrees. farthest: the view where it is worst.
+    found: by equation. by_angle: the verdict on the visible area for each view angle that all surfaces have, degrees.
+    farthest: the view where it is worst.
     """
 
     label: str
@@ -69,23 +69,23 @@ class Trial:
         return together([self.found[name].verdict for name in equations])
 
     @property
-    def angle(self) -> int:
-        return degrees_of(self.farthest)
+    def angle(self) -> float:
+        return float(degrees_of(self.farthest))
 
 
 def attempt(label: str, model: Masking) -> Trial:
     """Put a model to all equations, from all default views."""
     views = default_views(model.ndf)
     values, bounds = residual(model, "visible_area", views)
-    angles = np.array([degrees_of(view) for view in views])
-    by_angle = {int(t): decide(values[angles == t], bounds[angles == t], TOLERANCE) for t in np.unique(angles)}
+    angles = degrees_of(views)
+    by_angle = {round(t): decide(values[angles == t], bounds[angles == t], TOLERANCE) for t in np.degrees(THETA).round(2)}
     farthest = views[np.argmax(np.abs(values))]
     return Trial(label, model, validate(model, views), by_angle, farthest)
 
 
-def degrees_of(view: np.ndarray) -> int:
-    """The polar angle of one of the default views, which are whole degrees."""
-    return round(float(np.degrees(np.arccos(min(view[2], 1.0)))))
+def degrees_of(views: np.ndarray) -> np.ndarray:
+    """Polar angles, to a hundredth of a degree."""
+    return np.asarray(np.degrees(np.arccos(np.minimum(views[..., 2], 1.0))).round(2))
 
 
 @dataclass(frozen=True)
@@ -348,7 +348,7 @@ def exact_share(model: Masking, view: np.ndarray) -> float | None:
 def _masking_cells(row: Row) -> tuple[str, ...]:
     worst = row.worst
     wrong = row.physical == "fails"
-    at = f"{worst.label}, ${worst.angle:.0f}^\\circ$" if wrong else "all"
+    at = f"{worst.label}, ${worst.angle:g}^\\circ$" if wrong else "all"
     return (
         row.name,
         *(sign(row.verdict(name)) for name in INTEGRALS[1:]),
