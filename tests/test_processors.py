@@ -230,6 +230,7 @@ CALLS = {
     "albedo": (lambda: brdf.albedo(many), lambda: brdf.albedo(w)),
     "albedo from below": (lambda: brdf.albedo(rising(1000000)), lambda: brdf.albedo(w)),
     "walks": (lambda: steps.connections(many, many[::-1]), lambda: np.array(steps.connections(w, w))),
+    "walks of one pair": (lambda: steps.evaluate(w[0], w[1], walks=10**9), lambda: np.array(steps.evaluate(w[0], w[1]))),
     "albedo of walks": (lambda: steps.albedo(many[:1000]), lambda: np.array(steps.albedo(w, 100))),
     "evaluate": (lambda: without_end(brdf.evaluate, many, many[::-1]), lambda: brdf.evaluate(w, w)),
     "sample": (lambda: without_end(brdf.sample, many, many[:, :2] % 1), lambda: brdf.sample(w, np.full((4, 2), 0.5))),

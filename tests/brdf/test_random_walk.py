@@ -28,7 +28,7 @@ from microfacet.brdf.random_walk import (
 from microfacet.directions import spherical
 from microfacet.kernels import Batch
 from microfacet.material.fresnel import Fresnel
-from samples import UP, uniform, views
+from samples import UP, hemisphere, uniform, views
 from scipy import integrate, stats
 
 pytestmark = pytest.mark.xdist_group("brdf")
@@ -335,6 +335,17 @@ def test_random_numbers_are_even_and_streams_apart() -> None:
     assert stats.kstest(rows.ravel(), "uniform").pvalue > 1e-3
     assert abs(np.corrcoef(rows)[~np.eye(64, dtype=bool)]).max() < 5 / np.sqrt(200)
     assert len(np.unique(rows)) == rows.size
+
+
+def test_how_many_walks_go_in_a_row_does_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:
+    steps = mf.RandomWalk(mf.Smith(mf.GGX(0.8, 0.4)), mf.Schlick(0.3))
+    wo, wi = hemisphere(5, 3), hemisphere(5, 4)
+    value, error = steps.evaluate(wo, wi, walks=1000, seed=3)
+    for at_once in (1, 64, 999, 1000):
+        monkeypatch.setattr("microfacet.brdf.random_walk.IN_A_ROW", at_once)
+        other, other_error = steps.evaluate(wo, wi, walks=1000, seed=3)
+        np.testing.assert_allclose(other, value, rtol=1e-12)
+        np.testing.assert_allclose(other_error, error, rtol=1e-12)
 
 
 COUNTING = """

@@ -426,7 +426,7 @@ def connections(
 ) -> Batch:
     """What walks from wo send to wi from each facet they meet, as a BRDF: (..., 3), (..., 3), (..., 2) -> (..., 5).
 
-    Means over the walks of the first bounce and of all later ones, of the squares of these, and the most that one walk sends
+    Sums over the walks of the first bounce and of all later ones, of the squares of these, and the most that one walk sends
     later.
     """
     height, sends = next_height(view), connecting(normals, view, fresnel)
@@ -439,16 +439,15 @@ def connections(
         if not (oz > 0.0 and iz > 0.0):
             return once, often, once_squared, often_squared, most
         lit = view(ix, iy, iz, p[0])
-        count = int(p[2][0])
-        for number in range(count):
+        for number in range(int(p[2][0]), int(p[2][1])):
             key = stream(u1, u2, number)
             u = height(1.0, -ox, -oy, -oz, drawn(key, 0), p[0])
             single = sends(-ox, -oy, -oz, ix, iy, iz, u, lit, p)
             several = later(ox, oy, oz, ix, iy, iz, u, lit, key, p)
-            once += single / count
-            often += several / count
-            once_squared += single * single / count
-            often_squared += several * several / count
+            once += single
+            often += several
+            once_squared += single * single
+            often_squared += several * several
             most = max(most, several)
         return once, often, once_squared, often_squared, most
 
@@ -458,6 +457,7 @@ def connections(
 # --- the model --------------------------------------------------------------------------------------------------------
 
 AT_ONCE = 1 << 17  # walks held in memory
+IN_A_ROW = 4096  # walks from one view to one light that are not interrupted: some hundredths of a second
 
 
 class Estimate(NamedTuple):
@@ -557,7 +557,12 @@ class RandomWalk(Model):
         shape = np.broadcast_shapes(wo.shape[:-1], wi.shape[:-1])
         u = np.random.default_rng(whole("seed", seed, 0)).random((*shape, 2))
         rule = connections(type(self.model.ndf).kernel, *self._kernels)
-        return rule([wo.astype(float), wi.astype(float), u], (*self.parameters, (float(count),)))
+        arrays, found = [wo.astype(float), wi.astype(float), u], np.zeros((*shape, 5))
+        for start in range(0, count, IN_A_ROW):
+            part = rule(arrays, (*self.parameters, (float(start), float(min(start + IN_A_ROW, count)))))
+            found[..., :4] += part[..., :4]
+            found[..., 4] = np.maximum(found[..., 4], part[..., 4])
+        return found / [count, count, count, count, 1]
 
     def albedo(self, wo: Any, walks: int = 65536, seed: int = 0) -> Estimate:
         """Share of light from wo (..., 3) that is reflected (...): the first bounce by quadrature, later ones by walks.
