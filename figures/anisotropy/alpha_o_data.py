@@ -18,7 +18,7 @@ UP = np.array([0.0, 0.0, 1.0])
 def by_quadrature(ndf, views):
     """Smith's G1 with Lambda integrated over the half-plane of hidden slopes of the stretched distribution."""
     Lambda = Batch(quadrature_Lambda(type(ndf).kernel), [1, 1, 1])
-    return 1 / (1 + Lambda(list(np.moveaxis(views, -1, 0)), (ndf.parameters, ndf.scale)))
+    return 1 / (1 + Lambda(list(np.moveaxis(views, -1, 0)), (ndf.parameters, ndf.slope_scale)))
 
 
 def compute() -> dict:

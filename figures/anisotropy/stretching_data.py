@@ -32,7 +32,7 @@ def compute() -> dict:
         data[f"{name}_slopes"] = slopes.reshape(2, -1)[:, few]
         data[f"{name}_P22"] = ndf.P22(*np.meshgrid(grid, grid, indexing="ij"))
         data[f"{name}_measured"] = np.sqrt(2 * np.mean(slopes**2, axis=(1, 2)))
-        data[f"{name}_alphas"] = np.array(ndf.scale)
+        data[f"{name}_alphas"] = np.array(ndf.slope_scale)
     return rounded(data, digits=5)
 
 

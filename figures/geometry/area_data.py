@@ -42,7 +42,7 @@ def made(alpha: float) -> tuple[float, float]:
 
 def measured(ndf) -> tuple[float, float]:
     """Area by quadrature, and its difference from a coarser rule."""
-    sums = seen_batch(nothing, facets(type(ndf).kernel), type(ndf).kernel)([ABOVE], ((ndf.parameters, ()), ndf.scale))
+    sums = seen_batch(nothing, facets(type(ndf).kernel), type(ndf).kernel)([ABOVE], ((ndf.parameters, ()), ndf.slope_scale))
     return sums[0], abs(sums[0] - sums[1])
 
 

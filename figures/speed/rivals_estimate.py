@@ -205,7 +205,7 @@ def visible_density(model: mf.Smith, wo: np.ndarray, wm: np.ndarray) -> np.ndarr
 
 
 def bounded_density(model: mf.Smith, wo: np.ndarray, wm: np.ndarray) -> np.ndarray:
-    ax, ay = model.ndf.scale
+    ax, ay = model.ndf.slope_scale
     k = np.array([bound(*map(float, w), ax, ay) for w in wo.reshape(-1, 3)]).reshape(wo.shape[:-1])
     length = np.sqrt((ax * wo[..., 0]) ** 2 + (ay * wo[..., 1]) ** 2 + wo[..., 2] ** 2)
     return np.asarray(2 * np.sum(wo * wm, -1) * model.ndf.D(wm) / (k * wo[..., 2] + length))

@@ -59,7 +59,7 @@ def samplers() -> dict:
             odds.append(
                 (
                     ring_odds(above),
-                    agreement(normals, lambda m: Smith(STRETCHED).D_visible(slanted, m), slanted, STRETCHED.scale),
+                    agreement(normals, lambda m: Smith(STRETCHED).D_visible(slanted, m), slanted, STRETCHED.slope_scale),
                 )
             )
         found[f"rejected_{name}"] = np.mean(np.array(odds) < LEVEL, axis=0)

@@ -77,7 +77,7 @@ def compared(k: int) -> tuple[float, float, float]:
     value, error = map(float, brdf.albedo_with_error(wo))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        truth, off = Rows(brdf, wo, value / np.prod(brdf.model.ndf.scale)).total()
+        truth, off = Rows(brdf, wo, value / np.prod(brdf.model.ndf.slope_scale)).total()
     return abs(value - truth) / error, error / value, off / value
 
 
@@ -99,7 +99,7 @@ def fair(brdf: mf.Microfacet, wo: np.ndarray) -> bool:
     summed = isinstance(model, mf.Smith) and (
         not isinstance(model.ndf, mf.GGX | mf.Beckmann) or "direction" in model.correlation
     )
-    return bool(wo[2] > GRAZING) and max(model.ndf.scale) < STEEP and not summed
+    return bool(wo[2] > GRAZING) and max(model.ndf.slope_scale) < STEEP and not summed
 
 
 def at(degrees: float, phi: float = 0.0) -> np.ndarray:
@@ -155,7 +155,7 @@ def test_a_distribution_of_ones_own_with_kinks_tells_an_error_that_holds() -> No
     """Its density ends in a kink at a slope: the rule does not know where. A rule for all slopes up to there does."""
 
     class Cut(Distribution):
-        parameters, scale, isotropic = (), (0.3, 0.3), True
+        parameters, slope_scale, isotropic = (), (0.3, 0.3), True
 
         @staticmethod
         def kernel(x: float, y: float, z: float, p: Any) -> float:

@@ -274,7 +274,7 @@ def test_facets_are_met_in_proportion_to_what_they_show(ndf: Any, degrees: float
     def facet(u1: float, u2: float, p: Any) -> tuple[float, float, float]:
         return kernel(p[1][0], p[1][1], p[1][2], u1, u2, stream(u1, u2, 0), 3, p[0])
 
-    found = Batch(facet, [1, 1], 3)([*uniform(1 << 16, 9).T], ((ndf.parameters, ndf.scale), tuple(map(float, v))))
+    found = Batch(facet, [1, 1], 3)([*uniform(1 << 16, 9).T], ((ndf.parameters, ndf.slope_scale), tuple(map(float, v))))
     assert (found @ v > -1e-12).all()
     assert (found[:, 2] > 0).all()
     m, shows = _slopes(ndf, v)
@@ -289,7 +289,7 @@ def _slopes(ndf: Any, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     t, w = np.polynomial.legendre.leggauss(400)
     angle, turn = np.pi / 4 * (t + 1), 2 * np.pi * (np.arange(720) + 0.5) / 720
     r = np.tan(angle)[:, None]
-    slopes = ndf.scale[0] * r * np.cos(turn), ndf.scale[1] * r * np.sin(turn)
+    slopes = ndf.slope_scale[0] * r * np.cos(turn), ndf.slope_scale[1] * r * np.sin(turn)
     z = 1 / np.sqrt(1 + slopes[0] ** 2 + slopes[1] ** 2)
     m = np.stack([-slopes[0] * z, -slopes[1] * z, z], axis=-1)
     area = np.maximum(m @ v, 0) * ndf.D(m) * z**3 * r / np.cos(angle)[:, None] ** 2 * w[:, None]

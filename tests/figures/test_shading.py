@@ -124,7 +124,7 @@ def test_what_is_gathered_is_the_light_of_the_sky(scene: dict[str, Any], ndf: An
     monkeypatch.setitem(shade, "SAMPLES", 64)
     normal = np.array([[0.3, 0.4, np.sqrt(0.75)]])
     axes = np.repeat(scene["frames"](normal), 150, axis=0)
-    brdf, guide = mf.Microfacet(mf.Smith(ndf)), mf.Microfacet(mf.Smith(mf.GGX(*ndf.scale)))
+    brdf, guide = mf.Microfacet(mf.Smith(ndf)), mf.Microfacet(mf.Smith(mf.GGX(*ndf.slope_scale)))
     found = scene["shade"](brdf, guide, axes, np.random.default_rng(2).random((150, 2)))
     wi = even_directions(200_000)
     wi = wi[wi[:, 2] > 0]
@@ -162,7 +162,7 @@ def test_noise_is_the_difference_of_both_halves(scene: dict[str, Any], monkeypat
 
     def shade(brdf: Any, guide: Any, axes: np.ndarray, shift: np.ndarray) -> np.ndarray:
         calls.append((brdf.model.ndf.alpha_x, brdf.model.ndf.alpha_y))
-        assert guide.model.ndf.scale == brdf.model.ndf.scale
+        assert guide.model.ndf.slope_scale == brdf.model.ndf.slope_scale
         assert isinstance(guide.model.ndf, mf.GGX)
         assert shift.shape == (len(axes), 2)
         scatter = np.random.default_rng(len(calls)).standard_normal((2, len(axes), 3))

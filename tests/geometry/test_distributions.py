@@ -59,7 +59,7 @@ def test_powers_of_the_cosine_are_the_papers(kind: type, real: type, theta: floa
 
 @pytest.mark.parametrize("ndf", NORMALISED, ids=repr)
 def test_facets_project_to_the_whole_surface(ndf: mf.Beckmann) -> None:
-    all_normals = whole_hemisphere(max(ndf.scale))
+    all_normals = whole_hemisphere(max(ndf.slope_scale))
     assert all_normals.sum(all_normals.directions[:, 2] * ndf.D(all_normals.directions)) == pytest.approx(1, abs=1e-10)
 
 
@@ -69,7 +69,8 @@ def projected(ndf: mf.Beckmann) -> float:
     def ring(theta: float) -> float:
         return 2 * np.pi * np.sin(theta) * np.cos(theta) * ndf.D(spherical(theta))
 
-    return integrate.quad(ring, 0, np.pi / 2, points=[np.arctan(ndf.scale[0]), 0.1], epsabs=1e-11, epsrel=1e-11, limit=200)[0]
+    points = [np.arctan(ndf.slope_scale[0]), 0.1]
+    return integrate.quad(ring, 0, np.pi / 2, points=points, epsabs=1e-11, epsrel=1e-11, limit=200)[0]
 
 
 @pytest.mark.parametrize("alpha", [0.01, 0.1, 0.5, 1.0, 3.0])
@@ -105,7 +106,7 @@ def area(ndf: mf.Beckmann) -> float:
     def ring(theta: float) -> float:
         return 2 * np.pi * np.sin(theta) * ndf.D(spherical(theta))
 
-    return integrate.quad(ring, 0, np.pi / 2, points=[np.arctan(ndf.scale[0])], epsabs=1e-11, epsrel=1e-11, limit=200)[0]
+    return integrate.quad(ring, 0, np.pi / 2, points=[np.arctan(ndf.slope_scale[0])], epsabs=1e-11, epsrel=1e-11, limit=200)[0]
 
 
 @pytest.mark.parametrize("alpha", [0.1, 0.5, 0.999])

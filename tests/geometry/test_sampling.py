@@ -24,7 +24,7 @@ def test_sampler_has_its_density(ndf: mf.Beckmann, u1: float, u2: float) -> None
 
 @pytest.mark.parametrize("ndf", NORMALISED, ids=repr)
 def test_density_is_that_of_projected_facets_and_integrates_to_one(ndf: mf.Beckmann) -> None:
-    everything = whole_hemisphere(max(ndf.scale))
+    everything = whole_hemisphere(max(ndf.slope_scale))
     density = ndf.pdf(everything.directions)
     assert everything.sum(density) == pytest.approx(1, abs=1e-10)
     np.testing.assert_allclose(density, everything.directions[:, 2] * ndf.D(everything.directions), rtol=1e-10, atol=1e-290)
@@ -32,7 +32,7 @@ def test_density_is_that_of_projected_facets_and_integrates_to_one(ndf: mf.Beckm
 
 @pytest.mark.parametrize("ndf", [mf.Ward(0.5), mf.BlinnPhong(3.0)], ids=repr)
 def test_distributions_without_norm_are_sampled_by_normalised_ones(ndf: mf.Beckmann) -> None:
-    everything = whole_hemisphere(max(ndf.scale))
+    everything = whole_hemisphere(max(ndf.slope_scale))
     assert everything.sum(ndf.pdf(everything.directions)) == pytest.approx(1, abs=1e-10)
 
 
@@ -41,7 +41,7 @@ def test_distributions_without_norm_are_sampled_by_normalised_ones(ndf: mf.Beckm
 def test_counts_follow_the_density(ndf: mf.Beckmann, real: type) -> None:
     normals = ndf.sample(uniform(200_000, 1, real))
     assert normals.dtype == real
-    assert agreement(normals, ndf.pdf, UP, ndf.scale) > 1e-4
+    assert agreement(normals, ndf.pdf, UP, ndf.slope_scale) > 1e-4
 
 
 def test_counts_tell_swapped_axes_and_an_isotropic_lobe_apart() -> None:
@@ -49,7 +49,7 @@ def test_counts_tell_swapped_axes_and_an_isotropic_lobe_apart() -> None:
     ndf = mf.GGX(0.5, 0.2)
     normals = ndf.sample(uniform(200_000))
     for wrong in (mf.GGX(0.2, 0.5), mf.GGX(0.1**0.5), mf.GGX(0.52, 0.2), mf.Beckmann(0.5, 0.2)):
-        assert agreement(normals, wrong.pdf, UP, ndf.scale) < 1e-6
+        assert agreement(normals, wrong.pdf, UP, ndf.slope_scale) < 1e-6
 
 
 @pytest.mark.parametrize("ndf", [*NORMALISED, *NARROW, mf.GGX(1e-4), mf.GGX(10.0)], ids=repr)

@@ -48,7 +48,7 @@ class Cone(Distribution):
     isotropic = True
 
     def __init__(self, alpha: float) -> None:
-        self.parameters, self.scale = (alpha,), (alpha, alpha)
+        self.parameters, self.slope_scale = (alpha,), (alpha, alpha)
 
 
 def test_a_distribution_of_ones_own_needs_its_kernel_only() -> None:
@@ -58,6 +58,25 @@ def test_a_distribution_of_ones_own_needs_its_kernel_only() -> None:
     assert everything.sum(m[:, 2] * ndf.D(m)) == pytest.approx(1, abs=1e-8)
     below = hemisphere(10) * [1, 1, -1]
     np.testing.assert_array_equal(ndf.D(below), 0)
+
+
+class RoughCone(Cone):
+    def __init__(self, alpha: float, spread: float) -> None:
+        self.parameters, self.alpha, self.slope_scale = (alpha,), (alpha, alpha), (spread, spread)
+
+
+def test_roughness_is_what_a_distribution_says_and_no_scale_of_slopes() -> None:
+    with pytest.raises(ValueError, match=r"Cone\(0\.3\) has no roughness"):
+        mf.SchlickSmith(Cone(0.3))
+    assert mf.SchlickSmith(Cone(0.3), k=0.2).k == 0.2
+    for scale in (0.1, 0.3, 1.0):
+        assert mf.SchlickSmith(RoughCone(0.3, scale)).k == mf.SchlickSmith(mf.GGX(0.3)).k
+
+
+def test_a_scale_of_slopes_guides_a_quadrature_and_changes_no_value() -> None:
+    wo = spherical(np.radians(75), 0.3)
+    one, other = (mf.Smith(RoughCone(0.3, scale)).G1(wo, [0, 0, 1]) for scale in (0.2, 0.6))
+    assert one == pytest.approx(other, rel=1e-12)
 
 
 def test_reflection_keeps_length_and_angle_and_undoes_itself() -> None:

@@ -402,7 +402,7 @@ class Unmapped(mf.Beckmann):
 
     def __init__(self, alpha: float) -> None:
         super().__init__(alpha)
-        self.scale = (1.0, 1.0)
+        self.slope_scale = (1.0, 1.0)
 
 
 def test_rule_that_misses_the_peak() -> None:

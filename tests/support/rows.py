@@ -60,7 +60,7 @@ class Rows:
 
     def __init__(self, brdf: mf.Microfacet, wo: np.ndarray, size: float) -> None:
         self.brdf, self.wo, self.size = brdf, wo, size
-        self.alpha = np.array(brdf.model.ndf.scale)
+        self.alpha = np.array(brdf.model.ndf.slope_scale)
         slope = self.alpha * wo[:2] / wo[2]
         self.T = float(np.hypot(*slope))
         t = slope / self.T if self.T > 0 else np.array([1.0, 0.0])

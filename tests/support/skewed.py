@@ -28,7 +28,7 @@ class Skewed(Distribution):
     kernel: ClassVar[Callable[..., float]] = staticmethod(skewed)
 
     def __init__(self, alpha: float, shift: float, share: float) -> None:
-        self.parameters, self.scale = (alpha, shift, share), (alpha * (1 + shift), alpha)
+        self.parameters, self.slope_scale = (alpha, shift, share), (alpha * (1 + shift), alpha)
 
 
 SKEWED = Skewed(0.3, 2.0, 0.8)

@@ -27,7 +27,7 @@ class Steep(Distribution):
 
     def __init__(self, alpha: float, label: str = "", *, samples: Any = (1.0, 2.0)) -> None:
         self.parameters = (alpha,)
-        self.scale = (alpha, alpha)
+        self.slope_scale = (alpha, alpha)
         self.samples = np.array(samples)
         self.shifted = lambda x: x + alpha
 

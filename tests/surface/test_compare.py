@@ -155,7 +155,7 @@ def test_bins_hold_what_samples_leave_in_them(k: int) -> None:
     expected = coarse(lobe_of(model, wo, PLAN), 5, 6)
     assert (abs(found - expected) < 5 * np.sqrt(expected / count) + 2e-4).all()
     wm = model.sample_visible(wo, u)
-    slopes = -wm[:, :2] / wm[:, 2:] / NDFS[1].scale
+    slopes = -wm[:, :2] / wm[:, 2:] / NDFS[1].slope_scale
     drawn = coarse(np.histogram2d(*slopes.T, [PLAN.slope_edges] * 2)[0], 8, 8) / count
     seen = coarse(normals_of(model, wo, PLAN), 8, 8)
     assert (abs(drawn - seen) < 5 * np.sqrt(seen / count) + 2e-4).all()

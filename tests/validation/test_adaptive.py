@@ -127,7 +127,7 @@ def test_a_distribution_need_not_say_its_scale() -> None:
             self.parameters = SKEWED.parameters
 
     silent = Silent()
-    assert silent.scale == pytest.approx((0.6, 0.3), rel=0.5)
+    assert silent.slope_scale == pytest.approx((0.6, 0.3), rel=0.5)
     wo = views(60)[0]
     assert mf.Smith(silent).G1(wo, wo) == pytest.approx(mf.Smith(SKEWED).G1(wo, wo), rel=1e-11)
     for values, bounds in residuals(mf.Smith(silent), SEEN).values():

@@ -38,7 +38,7 @@ def test_Lambda_is_what_faces_away_over_the_cosine(ndf: mf.Beckmann) -> None:
 def test_closed_forms_are_the_quadrature(ndf: mf.Beckmann, theta: float) -> None:
     """Both quadratures in plain Python: the half-plane of hidden slopes, and rings of them where azimuth does not matter."""
     wo = views(theta)[0]
-    parameters = (ndf.parameters, ndf.scale)
+    parameters = (ndf.parameters, ndf.slope_scale)
     assert smith_Lambda(ndf, wo) == pytest.approx(quadrature_Lambda(type(ndf).kernel)(*wo, parameters), rel=2e-9, abs=1e-13)
     if ndf.isotropic:
         assert smith_Lambda(ndf, wo) == pytest.approx(radial_Lambda(type(ndf).kernel)(*wo, parameters), rel=2e-9, abs=1e-13)

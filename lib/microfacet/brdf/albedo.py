@@ -481,8 +481,8 @@ def reflected_share(model: Masking, fresnel: Fresnel) -> Reflected:
     parts = (type(ndf).kernel, model.view_kernel, model.shadowed_kernel, kind.kernel)
     known = type(ndf) in FAMILIES and type(model) in MODELS and kind in REFLECTANCES
     effort = KNOWN if known else UNKNOWN
-    rule = (ndf.reach, critical(fresnel), *effort.levels, bright(ndf.scale))
-    parameters = (model.parameters, fresnel.parameters, ndf.scale, *rule)
+    rule = (ndf.reach, critical(fresnel), *effort.levels, bright(ndf.slope_scale))
+    parameters = (model.parameters, fresnel.parameters, ndf.slope_scale, *rule)
     return Reflected((cuts_of(model), model.view_kernel, *parts), parameters, effort, ndf.isotropic and type(model) in MODELS)
 
 

@@ -302,7 +302,7 @@ class Compensated(Model):
             raise ValueError(f"form must be one of {', '.join(FORMS)}, got {form!r}")
         self.brdf, self.form, self.model, self.fresnel = brdf, form, brdf.model, brdf.fresnel
         self.mirrors = Microfacet(brdf.model)
-        alpha_x, alpha_y = brdf.model.ndf.scale
+        alpha_x, alpha_y = brdf.model.ndf.slope_scale
         steps = STEPS if max(alpha_x, alpha_y) <= ROUGH else 2 * STEPS
         turns = 1 if brdf.model.ndf.isotropic else TURNS
         found = kept(self.mirrors.reflected, (alpha_x, alpha_y), steps, turns)

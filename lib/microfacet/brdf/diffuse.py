@@ -309,7 +309,7 @@ class Diffuse(Model):
         return sums[0], SAFETY * abs(sums[0] - sums[1]) + within + rounding(sums[0])
 
     def _by(self, counts: tuple[int, int], wo: Any, wi: Any) -> Any:
-        parameters = (self.model.parameters, self.model.ndf.scale, self.model.ndf.reach)
+        parameters = (self.model.parameters, self.model.ndf.slope_scale, self.model.ndf.reach)
         arrays = [vectors("wo", wo), vectors("wi", wi)]
         values = matt_batch(*self._parts, counts)(arrays, parameters)
         return values * values.dtype.type(self.facet_albedo)

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from microfacet.geometry.ggx import GGX
+from microfacet.geometry.slopes import alpha_of
 from microfacet.kernels import Batch
 from microfacet.visibility.smith import Smith
 from microfacet.visibility.visible_normals import unstretched
@@ -47,7 +48,7 @@ class SecondFacets:
 
     def __init__(self, model: Smith, wo: Array) -> None:
         self.model, self.wo = model, np.asarray(wo, float)
-        self.steep = min(model.ndf.scale) ** 2  # of the cap, about this much mirrors light down
+        self.steep = min(alpha_of(model.ndf)) ** 2  # of the cap, about this much mirrors light down
         self.above = float(self._hidden(self.wo[None])[0])
         cell = np.repeat(np.arange(RINGS * SECTORS), TRIALS)
         onward = self._mirrored(cell, np.random.default_rng(0).random((2, cell.size)))[2]
@@ -82,7 +83,7 @@ class SecondFacets:
 
     def _normals(self, turn: Array, steep: Array) -> Array:
         """Normals of GGX that the view sees, for even numbers: its last is kept as its distance from 1. dupuy2023."""
-        alpha = self.model.ndf.scale
+        alpha = alpha_of(self.model.ndf)
         ox, oy, oz = map(float, self.wo)
         x, y, z = unstretched(ox, oy, oz, *alpha)
         above = steep * (1 + z)
@@ -96,7 +97,7 @@ class SecondFacets:
         """How much more often the view sees these normals than it would those of GGX of the same roughness."""
         if type(self.model.ndf) is GGX:
             return np.ones(len(wm))
-        ggx = Smith(GGX(*self.model.ndf.scale)).D_visible(self.wo, wm)
+        ggx = Smith(GGX(*alpha_of(self.model.ndf))).D_visible(self.wo, wm)
         seen = self.model.D_visible(self.wo, wm)
         more: Array = np.divide(seen, ggx, out=np.zeros(len(wm)), where=ggx > 0)
         return more

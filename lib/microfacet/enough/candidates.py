@@ -16,7 +16,7 @@ from microfacet.brdf.random_walk import RandomWalk
 from microfacet.brdf.specular import Microfacet
 from microfacet.enough.lobes import Ruled, ruled, walked
 from microfacet.enough.scene import NORMALS, PRECISIONS, Point, Scene
-from microfacet.geometry.slopes import Distribution
+from microfacet.geometry.slopes import Distribution, alpha_of
 from microfacet.material.fresnel import Fresnel, Mirror, Schlick
 from microfacet.visibility.masking import Masking
 from microfacet.visibility.smith import Smith
@@ -28,7 +28,7 @@ Evaluate = Callable[[Any, Any], Any]
 
 def schlick_smith(ndf: Distribution) -> SchlickSmith:
     """Schlick's masking with the k that suits the distribution: half of GGX's alpha, Beckmann's times sqrt(2/pi)."""
-    return SchlickSmith(ndf, max(ndf.scale) / 2 if isinstance(ndf, NORMALS["ggx"]) else None)
+    return SchlickSmith(ndf, max(alpha_of(ndf)) / 2 if isinstance(ndf, NORMALS["ggx"]) else None)
 
 
 MASKINGS: dict[str, tuple[str, Callable[[Any], Masking]]] = {

@@ -11,9 +11,8 @@ import sympy as sp
 
 from microfacet import balls
 from microfacet.arithmetic import exp_minus_squares
-from microfacet.directions import roughness
 from microfacet.geometry.ggx import ROUGHNESS
-from microfacet.geometry.slopes import Distribution, around, normals_integral, slope_integral, unstretched_norm
+from microfacet.geometry.slopes import Stretched, around, normals_integral, slope_integral, unstretched_norm
 from microfacet.kernels import packed
 from microfacet.notation import a, alpha, alpha_x, alpha_y, chi, q, raw, wm, x, y
 from microfacet.statement import Equation
@@ -245,16 +244,10 @@ def kernel_sample(u1: float, u2: float, p: Any) -> tuple[float, float]:
     return alpha_x * x, alpha_y * y
 
 
-class Beckmann(Distribution):
+class Beckmann(Stretched):
     """Beckmann with roughness alpha_x along x and alpha_y along y (equal if omitted), from 1e-11 to 1e11. heitz2014."""
 
     kernel = staticmethod(packed(compensated_D, 3, 2))
     sample_kernel = staticmethod(kernel_sample)
     closed_Lambda = staticmethod(kernel_Lambda)
     reach = 6.5
-
-    def __init__(self, alpha_x: float, alpha_y: float | None = None) -> None:
-        self.alpha_x = roughness("alpha_x", alpha_x)
-        self.alpha_y = self.alpha_x if alpha_y is None else roughness("alpha_y", alpha_y)
-        self.parameters = self.scale = (self.alpha_x, self.alpha_y)
-        self.isotropic = self.alpha_x == self.alpha_y

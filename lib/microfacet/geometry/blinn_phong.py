@@ -362,7 +362,7 @@ class BlinnPhong(Distribution):
         half = mpmath.mpf(self.n) / 2
         K = mpmath.sqrt(mpmath.pi) * mpmath.gammaprod([half + 1.5], [half + 2]) * self._normalisation()
         self.parameters = (self.n, float(K))
-        self.scale = (1 / (1 + self.n / 2) ** 0.5,) * 2
+        self.alpha = self.slope_scale = (1 / (1 + self.n / 2) ** 0.5,) * 2
 
     def _normalisation(self) -> Any:
         return mpmath.mpf(1)

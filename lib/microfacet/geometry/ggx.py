@@ -9,8 +9,7 @@ from typing import Any
 import sympy as sp
 
 from microfacet import balls
-from microfacet.directions import roughness
-from microfacet.geometry.slopes import Distribution, around, normals_integral, slope_integral, unstretched_norm
+from microfacet.geometry.slopes import Stretched, around, normals_integral, slope_integral, unstretched_norm
 from microfacet.kernels import packed
 from microfacet.notation import a, alpha, alpha_x, alpha_y, chi, q, raw, wm, x, y
 from microfacet.statement import Equation
@@ -242,15 +241,9 @@ def kernel_sample(u1: float, u2: float, p: Any) -> tuple[float, float]:
     return alpha_x * x, alpha_y * y
 
 
-class GGX(Distribution):
+class GGX(Stretched):
     """GGX with roughness alpha_x along x and alpha_y along y (equal if omitted), from 1e-11 to 1e11. walter2007; heitz2014."""
 
     kernel = staticmethod(packed(D.scalar, 3, 2))
     sample_kernel = staticmethod(kernel_sample)
     closed_Lambda = staticmethod(kernel_Lambda)
-
-    def __init__(self, alpha_x: float, alpha_y: float | None = None) -> None:
-        self.alpha_x = roughness("alpha_x", alpha_x)
-        self.alpha_y = self.alpha_x if alpha_y is None else roughness("alpha_y", alpha_y)
-        self.parameters = self.scale = (self.alpha_x, self.alpha_y)
-        self.isotropic = self.alpha_x == self.alpha_y

@@ -16,7 +16,7 @@ from typing import Any, ClassVar
 import numpy as np
 import sympy as sp
 
-from microfacet.directions import numbers, uniform, vectors
+from microfacet.directions import numbers, roughness, uniform, vectors
 from microfacet.geometry.panels import Panels, panels
 from microfacet.kernels import Batch, Parameters
 from microfacet.model import Model
@@ -113,8 +113,9 @@ with sp.evaluate(False):
 class Distribution(Model):
     """A distribution of normals D, 1/sr, over unit microfacet normals.
 
-    parameters: what its kernels take as their last argument. scale: the two slope scales a quadrature should resolve; where
-    a class does not say, they are found by a look at D.
+    parameters: what its kernels take as their last argument.
+    alpha: its roughness along x and along y, if its family has one, else None; formulas that ask for a roughness need it.
+    slope_scale: how far its slopes spread along x and along y, for quadratures; by default it is found by a look at D.
     reach: in units of these, the slope beyond which hardly any facet (1e-18 of the area) lies.
     isotropic: whether D depends on the polar angle only, by default not; `validate` checks it.
     """
@@ -126,11 +127,12 @@ class Distribution(Model):
     excess_kernel: ClassVar[Callable[..., float] | None] = None  # and D over that, where both may be too small for numbers
     closed_Lambda: ClassVar[Callable[..., float] | None] = None  # Lambda(x, y, z, parameters)
     parameters: Parameters
+    alpha: tuple[float, float] | None = None
     reach: ClassVar[float] = inf
     isotropic: bool = False
 
     @cached_property
-    def scale(self) -> tuple[float, float]:
+    def slope_scale(self) -> tuple[float, float]:
         """How far slopes spread along x and along y: by default as `spread` finds it."""
         return spread(self.D)
 
@@ -162,6 +164,28 @@ class Distribution(Model):
     @property
     def shown(self) -> tuple[float, ...]:
         return tuple(self.parameters)
+
+
+class Stretched(Distribution):
+    """A distribution of one shape whose slopes are stretched by alpha_x along x and alpha_y along y.
+
+    alpha_x, alpha_y: numbers from 1e-11 to 1e11, equal if the second is omitted. ValueError for others.
+    """
+
+    alpha: tuple[float, float]
+
+    def __init__(self, alpha_x: float, alpha_y: float | None = None) -> None:
+        self.alpha_x = roughness("alpha_x", alpha_x)
+        self.alpha_y = self.alpha_x if alpha_y is None else roughness("alpha_y", alpha_y)
+        self.parameters = self.alpha = self.slope_scale = (self.alpha_x, self.alpha_y)
+        self.isotropic = self.alpha_x == self.alpha_y
+
+
+def alpha_of(ndf: Distribution) -> tuple[float, float]:
+    """Its roughness; a ValueError if it has none."""
+    if ndf.alpha is None:
+        raise ValueError(f"{ndf!r} has no roughness: its attribute alpha must be the two numbers (alpha_x, alpha_y)")
+    return ndf.alpha
 
 
 DECADES, PER_DECADE, CLOSER = (-9, 4), 4, 32  # of slopes looked at, along either axis, and where facets are missing

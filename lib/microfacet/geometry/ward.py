@@ -8,10 +8,9 @@ import sympy as sp
 
 from microfacet import balls
 from microfacet.arithmetic import exp_minus_squares
-from microfacet.directions import roughness
 from microfacet.geometry.beckmann import FAR, PI, ROUGHNESSES, Beckmann, kernel_sample
 from microfacet.geometry.ggx import ROUGHNESS
-from microfacet.geometry.slopes import Distribution, normals_integral
+from microfacet.geometry.slopes import Stretched, normals_integral
 from microfacet.kernels import packed
 from microfacet.notation import alpha, alpha_x, alpha_y, chi, q, raw, wm
 from microfacet.statement import Equation
@@ -73,7 +72,7 @@ def kernel_excess(x: float, y: float, z: float, p: Any) -> float:
     return (z * z) * (z * z)
 
 
-class Ward(Distribution):
+class Ward(Stretched):
     """Ward's distribution with roughness alpha_x, alpha_y (equal if omitted), from 1e-11 to 1e11. ward1992."""
 
     kernel = staticmethod(packed(compensated_D, 3, 2))
@@ -81,9 +80,3 @@ class Ward(Distribution):
     sampled_kernel = staticmethod(Beckmann.kernel)
     excess_kernel = staticmethod(kernel_excess)
     reach = 6.5
-
-    def __init__(self, alpha_x: float, alpha_y: float | None = None) -> None:
-        self.alpha_x = roughness("alpha_x", alpha_x)
-        self.alpha_y = self.alpha_x if alpha_y is None else roughness("alpha_y", alpha_y)
-        self.parameters = self.scale = (self.alpha_x, self.alpha_y)
-        self.isotropic = self.alpha_x == self.alpha_y

@@ -15,7 +15,7 @@ from microfacet.brdf.compensation import Compensated
 from microfacet.brdf.random_walk import RandomWalk
 from microfacet.brdf.specular import Microfacet
 from microfacet.directions import spherical
-from microfacet.geometry.slopes import Distribution
+from microfacet.geometry.slopes import Distribution, alpha_of
 from microfacet.surface.measure import Estimate, Plan, estimate, estimate_of
 from microfacet.visibility.masking import Masking
 from microfacet.visibility.smith import JOINT, Smith
@@ -59,7 +59,7 @@ def walked(walk: RandomWalk, wo: ArrayLike, plan: Plan, walks: int, seed: int = 
 
 def normals_of(model: Masking, wo: ArrayLike, plan: Plan) -> Array:
     """Share of the view that a model gives to each of the plan's bins of slopes, shape (s, s); none beyond the outermost."""
-    view, alpha = np.asarray(wo, float), model.ndf.scale
+    view, alpha = np.asarray(wo, float), alpha_of(model.ndf)
     place, weigh = _rule(plan.slope_edges)
     slopes = alpha[0] * place[:, None], alpha[1] * place
     upright = 1 / np.sqrt(1 + slopes[0] ** 2 + slopes[1] ** 2)
@@ -133,7 +133,7 @@ def in_plane(lobe: ArrayLike, solid_angle: ArrayLike) -> Array:
 
 def lit_of(model: Masking, wo: ArrayLike, wi: ArrayLike, side: int = 200, reach: float = 4.0) -> float:
     """Share that wi lights of what wo sees of facets turned to wi: sums over side x side slopes up to reach times alpha."""
-    view, light, alpha = np.asarray(wo, float), np.asarray(wi, float), model.ndf.scale
+    view, light, alpha = np.asarray(wo, float), np.asarray(wi, float), alpha_of(model.ndf)
     slopes = reach * ((np.arange(side) + 0.5) * 2 / side - 1)
     x, y = np.meshgrid(alpha[0] * slopes, alpha[1] * slopes, indexing="ij")
     wm = np.stack([-x, -y, np.ones_like(x)], axis=-1) / np.sqrt(1 + x**2 + y**2)[..., None]

@@ -145,7 +145,8 @@ def uniform(seed: int) -> np.ndarray:
 def drawn(*distributions: Distribution) -> list[Look]:
     """Normals drawn regardless of the viewer, against the density of projected facets."""
     return [
-        Look(agreement(ndf.sample(uniform(k)), ndf.pdf, ABOVE, ndf.scale), repr(ndf)) for k, ndf in enumerate(distributions)
+        Look(agreement(ndf.sample(uniform(k)), ndf.pdf, ABOVE, ndf.slope_scale), repr(ndf))
+        for k, ndf in enumerate(distributions)
     ]
 
 
@@ -155,7 +156,7 @@ def drawn_as_seen(*distributions: Distribution) -> list[Look]:
         model = Smith(ndf)
         for k, (degrees, wo) in enumerate(VIEWS.items()):
             normals = model.sample_visible(wo, uniform(k))
-            odds = agreement(normals, partial(model.D_visible, wo), wo, ndf.scale)
+            odds = agreement(normals, partial(model.D_visible, wo), wo, ndf.slope_scale)
             looks.append(Look(odds, f"{ndf!r}, theta_o = {degrees:.0f}"))
     return looks
 

@@ -68,7 +68,7 @@ def seen_area(
     tolerance, most = positive("tolerance", tolerance), whole("most", most, 1)
     if scale is not None:
         scale = _two(scale)
-    scales = scale or (D.scale if isinstance(D, Distribution) else spread(normals))
+    scales = scale or (D.slope_scale if isinstance(D, Distribution) else spread(normals))
     return _refined(_Rings(normals, G1, view, scales), tolerance, most)
 
 

@@ -23,10 +23,7 @@ ALIKE = 1e-7  # how far D of an isotropic distribution may differ between azimut
 THETA = np.radians([0, 15, 30, 45, 60, 75, 85, 89])
 AZIMUTHS = 6  # from which each polar angle is looked at
 GOLDEN = 0.6180339887498949  # of a turn from one azimuth to the next: no symmetry hides between them
-GRAZING = (
-    0.5,
-    0.125,
-)  # of the slope scale: cotangents at which the facets of any surface mask each other
+GRAZING = (0.5, 0.125)  # cotangents, in slope scales, at which the facets of any surface mask each other
 TOWARDS = np.radians([60, 85])  # polar angles from which lobes that lean are looked at, along them and against
 LOBES = 2  # of those, so many
 
@@ -138,7 +135,7 @@ def default_views(ndf: Distribution) -> np.ndarray:
     """
     azimuths = 1 if ndf.isotropic else AZIMUTHS
     theta = np.array([THETA[0], *np.tile(THETA[1:], azimuths)])
-    views = [spherical(theta, _spread(len(theta))), _grazing(ndf.scale, azimuths)]
+    views = [spherical(theta, _spread(len(theta))), _grazing(ndf.slope_scale, azimuths)]
     if not ndf.isotropic:
         views += [
             spherical(t, phi + turn)[None] for phi in _leaning(ndf.panels) for t in TOWARDS for turn in (0, np.pi / 2, np.pi)

@@ -16,7 +16,7 @@ from microfacet.geometry import beckmann, blinn_phong, ggx, ward
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.blinn_phong import BlinnPhong, NormalizedBlinnPhong
 from microfacet.geometry.ggx import GGX
-from microfacet.geometry.slopes import Distribution
+from microfacet.geometry.slopes import Distribution, alpha_of
 from microfacet.geometry.ward import Ward
 from microfacet.notation import alpha, n
 from microfacet.statement import Equation, reference
@@ -295,7 +295,7 @@ MASKINGS: dict[str, tuple[Callable[[Distribution], Masking], str]] = {
     "Implicit": (Implicit, "hoffman2010"),
     "Kelemen": (Kelemen, "kelemen2001"),
     "Schlick-Smith": (SchlickSmith, "schlick1994"),
-    "Schlick-Smith, halved": (lambda ndf: SchlickSmith(ndf, max(ndf.scale) / 2), "schlick1994"),
+    "Schlick-Smith, halved": (lambda ndf: SchlickSmith(ndf, max(alpha_of(ndf)) / 2), "schlick1994"),
 }
 """The talk's five, and the variant k = alpha/2 of games."""
 
@@ -332,16 +332,16 @@ def exact_share(model: Masking, view: np.ndarray) -> float | None:
     """
     if isinstance(model, Smith | VCavity):
         return 1.0
-    across, cosine = float(np.linalg.norm(np.array(model.ndf.scale) * view[:2])), float(view[2])
-    statement = {Beckmann: beckmann.Lambda, GGX: ggx.Lambda}[type(model.ndf)]
+    across, cosine = float(np.linalg.norm(np.array(alpha_of(model.ndf)) * view[:2])), float(view[2])
+    statement = beckmann.Lambda if isinstance(model.ndf, Beckmann) else ggx.Lambda
     hidden = statement.exact(cosine / across) if across else 0
     if isinstance(model, Implicit):
         return float(unphysical.implicit_G1.exact(1.0, cosine) * (1 + hidden))
     if isinstance(model, SchlickSmith):
         return float(unphysical.schlick_G1.exact(1.0, cosine, model.k) * (1 + hidden))
     if isinstance(model, Kelemen) and not across and model.ndf.isotropic:
-        area = {Beckmann: beckmann.area, GGX: ggx.area}[type(model.ndf)]
-        return float(sp.limit(area.equals, alpha, sp.nsimplify(model.ndf.scale[0])))
+        area = beckmann.area if isinstance(model.ndf, Beckmann) else ggx.area
+        return float(sp.limit(area.equals, alpha, sp.nsimplify(alpha_of(model.ndf)[0])))
     return None
 
 

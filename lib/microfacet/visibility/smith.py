@@ -362,10 +362,14 @@ class Smith(Masking):
         self.correlation = one_of("correlation", correlation, JOINT)
         self.view_kernel = view_of(ndf)
         by_panels = self.view_kernel is panels_Lambda(type(ndf).kernel)
-        self.parameters = (ndf.parameters, table_of(ndf.panels) if by_panels else ndf.scale)
+        self.parameters = (ndf.parameters, table_of(ndf.panels) if by_panels else ndf.slope_scale)
         self.G1_of_cosine = masked
         self.G2_of_cosines = shadowed(JOINT[correlation])
 
     @property
     def sampler(self) -> Callable[..., tuple[float, float, float]] | None:
-        return {GGX: sample_ggx, Beckmann: sample_beckmann}.get(type(self.ndf))
+        samplers: dict[type[Distribution], Callable[..., tuple[float, float, float]]] = {
+            GGX: sample_ggx,
+            Beckmann: sample_beckmann,
+        }
+        return samplers.get(type(self.ndf))

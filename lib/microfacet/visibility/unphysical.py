@@ -9,7 +9,7 @@ import sympy as sp
 
 from microfacet.directions import positive
 from microfacet.geometry import ggx
-from microfacet.geometry.slopes import Distribution
+from microfacet.geometry.slopes import Distribution, alpha_of
 from microfacet.notation import Lambda_o, a, chi, im, mu_i, mu_o, om, raw
 from microfacet.statement import Equation
 from microfacet.visibility.masking import Masking, nothing
@@ -187,7 +187,8 @@ class Kelemen(Masking):
 class SchlickSmith(Masking):
     """Schlick's rational approximation of Smith's G1. Fails the validation equations. schlick1994.
 
-    k: above 0; by default alpha sqrt(2/pi) with the larger roughness of the distribution. Games often use alpha/2.
+    k: above 0; by default alpha sqrt(2/pi) with the larger roughness of the distribution. Games often use alpha/2. ValueError
+    for others, and where the distribution has no roughness and no k is given.
     """
 
     view_kernel = staticmethod(nothing)
@@ -196,5 +197,5 @@ class SchlickSmith(Masking):
 
     def __init__(self, ndf: Distribution, k: float | None = None) -> None:
         super().__init__(ndf)
-        self.k = max(ndf.scale) * sqrt(2 / pi) if k is None else positive("k", k)
+        self.k = max(alpha_of(ndf)) * sqrt(2 / pi) if k is None else positive("k", k)
         self.parameters = (ndf.parameters, (self.k,))
