@@ -160,9 +160,7 @@ def test_uniform_numbers_lie_below_one(wrong: float) -> None:
 
 
 @pytest.mark.parametrize("kind", [mf.GGX, mf.Beckmann, mf.Ward])
-@pytest.mark.parametrize(
-    "wrong", [0, -0.1, np.nan, np.inf, "rough", "0.3", True, np.True_, 1j, None, [0.1, 0.2], np.array([0.3])]
-)
+@pytest.mark.parametrize("wrong", [0, -0.1, np.nan, np.inf, "rough", "0.3", True, np.True_, 1j, None, {}])
 def test_roughness_that_is_none(kind: type, wrong: Any) -> None:
     """An alpha of 0 would divide by 0 later, in a kernel."""
     with pytest.raises(ValueError, match=r"alpha_x must be .*got") as raised:

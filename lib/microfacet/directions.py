@@ -74,7 +74,7 @@ def points(name: str, values: Any) -> Argument:
 
 
 def _rows(name: str, values: Any, width: int, kind: str) -> Argument:
-    array = _floats(name, values, width)
+    array = floats(name, values, width)
     if array.ndim == 0 or array.shape[-1] != width:
         raise ValueError(f"{name} must have shape (..., {width}), got shape {array.shape}")
     return Argument(name, array, kind)
@@ -82,7 +82,7 @@ def _rows(name: str, values: Any, width: int, kind: str) -> Argument:
 
 def numbers(name: str, values: Any) -> Argument:
     """The argument as an array of floats of any shape, finite once checked."""
-    return Argument(name, _floats(name, values), "finite")
+    return Argument(name, floats(name, values), "finite")
 
 
 def uniform(name: str, values: Any) -> Argument:
@@ -117,7 +117,7 @@ def as_uniform(name: str, values: Any) -> np.ndarray:
     return uniform(name, values).checked()
 
 
-def _floats(name: str, values: Any, width: int = 0) -> np.ndarray:
+def floats(name: str, values: Any, width: int = 0) -> np.ndarray:
     """Real numbers in single or double precision; text, complex numbers and masked elements are none."""
     try:
         array = _unmasked(values)

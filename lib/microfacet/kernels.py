@@ -35,6 +35,7 @@ Parameters = tuple[Any, ...]
 Single = tuple[bool, ...]
 Kinds = tuple[str, ...]
 Loop = Callable[..., bool]
+Varying = Any  # nested as parameters are: the place of each array in a row of them, None for all else
 QUICKEST = 1e-9  # seconds that an element takes at least ...
 LONG = 1e-6  # ... and for how many it is taken where a loop within may take any time
 KEPT = 64  # sets of parameters that a loop is kept ready for
@@ -285,24 +286,30 @@ def shared(real: Any, straight: bool) -> Callable[[FunctionType], Any]:
 # --- from one text to a compiled loop -----------------------------------------------------------------------------
 
 
-def _loop(name: str, widths: Sequence[int], outputs: int, single: Sequence[bool], kinds: Sequence[str]) -> str:
+def _loop(
+    name: str, widths: Sequence[int], outputs: int, single: Sequence[bool], kinds: Sequence[str], varying: Varying
+) -> str:
     """The text of the loop over flat arrays, row after row. Of a `single` one, the first row serves every turn.
 
-    It tells whether all numbers looked as arguments of their kinds may hold them, while it has them at hand.
+    The last arrays are those parameters that vary from turn to turn. It tells whether all numbers looked as arguments of their
+    kinds may hold them, while it has them at hand.
     Flat arrays and indices that are multiples of the counter are what the compiler needs to take several turns at once.
     """
     arrays = [f"a{k}" for k in range(len(widths))]
     rows = [[f"b{k}_{c}" if single[k] else f"a{k}[{width} * i + {c}]" for c in range(width)] for k, width in enumerate(widths)]
+    known = len(widths) - _count(varying)
     loads = [f"{row[c]} = a{k}[{c}]" for k, row in enumerate(rows) if single[k] for c in range(len(row))]
     slices = [f"a{k} = a{k}[{w} * start : {w} * stop]" for k, w in enumerate(widths) if not single[k]]
     slices.append(f"out = out[{outputs} * start : {outputs} * stop]")
-    call = f"{name}({', '.join([*(value for row in rows for value in row), 'p'])})"
+    parameters = _rebuilt(varying, "p", [value for row in rows[known:] for value in row])
+    call = f"{name}({', '.join([*(value for row in rows[:known] for value in row), parameters])})"
     store = ", ".join(f"out[{outputs} * i + {c}]" for c in range(outputs))
     inputs = "types.Array(R, 1, 'C', readonly=True), " * len(widths)
     once, each = (_checks([(kinds[k], row) for k, row in enumerate(rows) if single[k] is alone]) for alone in (True, False))
     before = "".join(f"        {line}\n" for line in [*loads, *slices, "good = True", *once])
     within = "".join(f"            {line}\n" for line in [f"{store} = {call}", *each])
-    unique = f"loop_{_digest(repr((name, widths, outputs, single, kinds)))}"  # loops of all programs share one name space
+    described = repr((name, widths, outputs, single, kinds, varying))
+    unique = f"loop_{_digest(described)}"  # loops of all programs share one name space
     return (
         f"def compiled(p):\n"
         f"    @njit((types.intp, types.intp, {inputs}p, R[::1]), nogil=True, error_model='numpy')\n"
@@ -314,6 +321,19 @@ def _loop(name: str, widths: Sequence[int], outputs: int, single: Sequence[bool]
         f"        return good\n"
         f"    return {unique}\n"
     )
+
+
+def _count(varying: Varying) -> int:
+    """How many arrays the parameters hold."""
+    return max(map(_count, varying)) if isinstance(varying, tuple) else 0 if varying is None else varying + 1
+
+
+def _rebuilt(varying: Varying, path: str, values: Sequence[str]) -> str:
+    """The text of the parameters of one turn: what varies is one of the values, all else is found along the path."""
+    if isinstance(varying, tuple):
+        parts = [_rebuilt(part, f"{path}[{k}]", values) for k, part in enumerate(varying)]
+        return f"({', '.join(parts)},)"
+    return path if varying is None else values[varying]
 
 
 def _checks(rows: Sequence[tuple[str, Sequence[str]]]) -> list[str]:
@@ -353,6 +373,20 @@ def _compile(text: str, kind: Any) -> Any:
     return result
 
 
+def _separated(parameters: Any, arrays: list[np.ndarray]) -> tuple[Varying, Any]:
+    """Where the parameters hold arrays, which are added to the list, and the parameters with numbers in their places."""
+    if isinstance(parameters, np.ndarray):
+        known = [k for k, array in enumerate(arrays) if array is parameters]
+        if not known:
+            arrays.append(parameters)
+        return known[0] if known else len(arrays) - 1, 0.0
+    if not isinstance(parameters, tuple) or isinstance(parameters, Table):
+        return None, parameters
+    parts = [_separated(part, arrays) for part in parameters]
+    places = tuple(place for place, _ in parts)
+    return (places if any(place is not None for place in places) else None), tuple(rest for _, rest in parts)
+
+
 class Table(tuple[float, ...]):
     """Many numbers among the parameters of a kernel, whose count may differ from one set to another: compiled as an array."""
 
@@ -381,10 +415,12 @@ class Batch:
     function: a kernel of `sum(widths)` floats followed by one tuple of parameters.
     widths: the last axis of each array argument, 1 meaning that the argument has no such axis.
     outputs: the number of floats the kernel returns; 1 gives a result without a last axis.
+    varying: which of the parameters are the last of the arrays, by default none.
     """
 
-    def __init__(self, function: Callable[..., Any], widths: Sequence[int], outputs: int = 1) -> None:
-        self.function, self.widths, self.outputs = function, tuple(widths), outputs
+    def __init__(self, function: Callable[..., Any], widths: Sequence[int], outputs: int = 1, varying: Varying = None) -> None:
+        self.function, self.widths, self.outputs, self.varying = function, tuple(widths), outputs, varying
+        self._of_arrays: dict[Varying, Batch] = {}
         self._loops: dict[tuple[type, Any, Single, Kinds], tuple[Loop, Pace]] = {}
         self._ready: dict[tuple[type, Parameters, Single, Kinds], tuple[Loop, Pace, Any]] = {}
 
@@ -397,7 +433,7 @@ class Batch:
         name = program.add(self.function)  # type: ignore[arg-type]
         header = _HEADER.format(real=np.dtype(real).name)
         none = len(self.widths)
-        loop = _loop(name, self.widths, self.outputs, single or (False,) * none, kinds or ("",) * none)
+        loop = _loop(name, self.widths, self.outputs, single or (False,) * none, kinds or ("",) * none, self.varying)
         return "\n\n".join([header, *program.texts, loop])
 
     def _compiled(self, real: type, parameters: Any, single: Single, kinds: Kinds) -> tuple[Loop, Pace]:
@@ -411,20 +447,35 @@ class Batch:
             self._loops[real, kind, single, kinds] = _machine_code(text, kind).entry_point, pace
         return self._loops[real, kind, single, kinds]
 
-    def _prepared(self, real: type, parameters: Parameters, single: Single, kinds: Kinds) -> tuple[Loop, Pace, Any]:
+    def _prepare(self, real: type, parameters: Parameters, single: Single, kinds: Kinds) -> tuple[Loop, Pace, Any]:
         """The loop, its pace, and the parameters as it takes them: found once, for that costs more than a hundred turns."""
-        if (ready := self._ready.get((real, parameters, single, kinds))) is None:
-            if len(self._ready) >= KEPT:
-                self._ready.clear()
-            cast_ = _cast(parameters, real)
-            ready = self._ready[real, parameters, single, kinds] = *self._compiled(real, cast_, single, kinds), cast_
+        if len(self._ready) >= KEPT:
+            self._ready.clear()
+        cast_ = _cast(parameters, real)
+        ready = self._ready[real, parameters, single, kinds] = *self._compiled(real, cast_, single, kinds), cast_
         return ready
+
+    def _varied(
+        self, arrays: Sequence[Any], shape: tuple[int, ...], parameters: Parameters, real: type, out: np.ndarray | None
+    ) -> Any:
+        """The same where some parameters are arrays, which the loop reads in the precision of the arguments."""
+        given: list[np.ndarray] = []
+        varying, others = _separated(parameters, given)
+        try:
+            np.broadcast_shapes(shape, *(array.shape for array in given))
+        except ValueError:
+            shapes = ", ".join(str(array.shape) for array in given)
+            raise ValueError(f"parameters of shapes {shapes} do not broadcast with directions of shape {shape}") from None
+        if varying not in self._of_arrays:
+            widths = [*self.widths, *[1] * len(given)]
+            self._of_arrays[varying] = Batch(self.function, widths, self.outputs, varying)
+        return self._of_arrays[varying]([*arrays, *(np.asarray(array, real) for array in given)], others, out)
 
     def __call__(self, arrays: Sequence[Any], parameters: Parameters = (), out: np.ndarray | None = None) -> Any:
         """Apply to arrays that broadcast against each other; float32 in gives float32 out, all else is float64.
 
-        An `Argument` among them is checked while it is read. If it holds a number that it may not, a ValueError names both,
-        and what `out` then holds is of no use.
+        Parameters that are arrays broadcast with them. An `Argument` among them is checked while it is read. If it holds a
+        number that it may not, a ValueError names both, and what `out` then holds is of no use.
         """
         inputs, kinds, shapes = [], [], []
         real: type = np.float32
@@ -439,12 +490,14 @@ class Batch:
         if shapes.count(shape) != len(shapes):
             shape = np.broadcast_shapes(*shapes)
         count = math.prod(shape)
-        flat, single = [], []
-        for array, width, own in zip(inputs, self.widths, shapes, strict=True):
-            flat.append(_flatten(array, width, own, shape, real))
-            single.append(count != 1 and array.size == width)
+        single = tuple([count != 1 and array.size == width for array, width in zip(inputs, self.widths, strict=True)])
+        try:
+            ready = self._ready.get((real, parameters, single, tuple(kinds)))
+        except TypeError:  # arrays have no hash
+            return self._varied(arrays, shape, parameters, real, out)
+        loop, pace, packed_parameters = ready or self._prepare(real, parameters, single, tuple(kinds))
+        flat = [_flatten(*one, shape, real) for one in zip(inputs, self.widths, shapes, strict=True)]
         result = _result(out, (*shape, self.outputs) if self.outputs > 1 else shape, real, inputs)
-        loop, pace, packed_parameters = self._prepared(real, parameters, tuple(single), tuple(kinds))
         target = result.reshape(-1)
         if count < 2 or count * pace.seconds < QUICK:
             good = count > 0 and loop(0, count, *flat, packed_parameters, target)

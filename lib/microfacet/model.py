@@ -55,17 +55,24 @@ def _own(given: Any) -> Any:
 
 @cache
 def _signature(cls: Any) -> inspect.Signature:
-    return inspect.signature(cls.__init__)
+    """Of its constructor, without self."""
+    whole = inspect.signature(cls.__init__)
+    return whole.replace(parameters=list(whole.parameters.values())[1:])
+
+
+def arguments(model: Model) -> inspect.BoundArguments:
+    """The arguments of its class by name, as the model has them now or else as they were given."""
+    args, kwargs = model._given
+    cls: Any = type(model)
+    bound = _signature(cls).bind(*args, **kwargs)
+    bound.apply_defaults()
+    for name, value in bound.arguments.items():
+        bound.arguments[name] = vars(model).get(name, value)
+    return bound
 
 
 def _identity(model: Model) -> tuple[Any, ...]:
-    """The class and all its arguments by name, as the model has them now or else as they were given."""
-    args, kwargs = model._given
-    cls: Any = type(model)
-    bound = _signature(cls).bind(model, *args, **kwargs)
-    bound.apply_defaults()
-    given = list(bound.arguments.items())[1:]
-    return cls, tuple((name, _comparable(vars(model).get(name, value))) for name, value in given)
+    return type(model), tuple((name, _comparable(value)) for name, value in arguments(model).arguments.items())
 
 
 def _comparable(value: Any) -> Any:

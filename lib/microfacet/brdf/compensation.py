@@ -298,6 +298,7 @@ class Compensated(Model):
     def __init__(self, brdf: Microfacet, form: str = "lobe") -> None:
         if not isinstance(brdf, Microfacet):
             raise ValueError(f"brdf must be a BRDF of one bounce such as Microfacet(Smith(GGX(0.3))), got {brdf!r}")
+        brdf.require_numbers("Compensated")
         if form not in FORMS:
             raise ValueError(f"form must be one of {', '.join(FORMS)}, got {form!r}")
         self.brdf, self.form, self.model, self.fresnel = brdf, form, brdf.model, brdf.fresnel

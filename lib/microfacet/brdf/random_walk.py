@@ -521,6 +521,7 @@ class RandomWalk(Model):
         if not isinstance(model, Smith) or model.correlation != "height" or kind not in FACETS:
             raise ValueError(f"model must be Smith(GGX(...)) or Smith(Beckmann(...)), height-correlated, got {model!r}")
         self.single = Microfacet(model, fresnel)
+        self.single.require_numbers("RandomWalk")
         self.model, self.fresnel = model, self.single.fresnel
         self.parameters = self.single.parameters
         self._kernels = (model.view_kernel, FACETS[kind], type(self.fresnel).kernel)
@@ -620,7 +621,7 @@ class RandomWalk(Model):
         return walk(*self._kernels)([wo.astype(float), u.astype(float)], self.parameters)
 
     def __repr__(self) -> str:
-        return f"RandomWalk({self.model!r}, {type(self.fresnel).__name__}{self.fresnel.parameters})"
+        return f"RandomWalk({self.model!r}, {self.fresnel!r})"
 
 
 def _scatter(found: Any, walks: int) -> Any:

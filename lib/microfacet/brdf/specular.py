@@ -13,14 +13,14 @@ import sympy as sp
 from microfacet import balls
 from microfacet.brdf.albedo import Reflected, reflected_share
 from microfacet.brdf.ggx import inverse_square, prepared_lobe
-from microfacet.directions import uniform, vectors
+from microfacet.directions import as_vectors, uniform, vectors
 from microfacet.geometry.ggx import GGX
 from microfacet.geometry.slopes import drawn_from, excess_over_drawn
 from microfacet.kernels import Batch, ByPrecision, Parameters
 from microfacet.material.fresnel import Fresnel, Mirror
 from microfacet.material.reflection import half_vector, i_vector, o_vector, reflected, weak_furnace
-from microfacet.model import Model
 from microfacet.notation import G1, D, F, Lambda_i, Lambda_o, im, mu_i, mu_o, om, raw
+from microfacet.parameters import Parametric, together
 from microfacet.proofs import under_integral
 from microfacet.statement import Equation
 from microfacet.visibility import shadowing, unphysical, v_cavity
@@ -199,10 +199,10 @@ def evaluation(
 
 
 @cache
-def joined_evaluation(fresnel: Callable[..., float]) -> Batch:
+def joined_evaluation(fresnel: Callable[..., float], lobe: Callable[..., float]) -> Batch:
     """The same for Smith's model over GGX, correlated by height: the parts are one fraction.
 
-    Parameters: also what `inverse_square` makes of both roughnesses, once for all turns and calls.
+    lobe: `lobe_of_arrays`, or where roughness is the same for all turns `lobe_of_numbers`.
     """
 
     def evaluate(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
@@ -210,17 +210,31 @@ def joined_evaluation(fresnel: Callable[..., float]) -> Batch:
         square = hx * hx + hy * hy + hz * hz
         if not (oz > HORIZON and iz > HORIZON and square > 0.0):
             return 0.0
-        alpha_x, alpha_y = p[0][0]
-        return fresnel(min(0.5 * sqrt(square), 1.0), p[1]) * prepared_lobe(ox, oy, oz, ix, iy, iz, alpha_x, alpha_y, p[2], p[3])
+        return fresnel(min(0.5 * sqrt(square), 1.0), p[1]) * lobe(ox, oy, oz, ix, iy, iz, p)
 
     return over_pairs(evaluate)
+
+
+def lobe_of_arrays(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
+    """Each turn has a roughness of its own, for which `inverse_square` would take longer than all else."""
+    alpha_x, alpha_y = p[0][0]
+    return prepared_lobe(ox, oy, oz, ix, iy, iz, alpha_x, alpha_y, (1.0 / alpha_x, 1.0), (1.0 / alpha_y, 1.0))
+
+
+def lobe_of_numbers(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
+    """Parameters: also what `inverse_square` makes of both roughnesses, once for all turns and calls."""
+    alpha_x, alpha_y = p[0][0]
+    return prepared_lobe(ox, oy, oz, ix, iy, iz, alpha_x, alpha_y, p[2], p[3])
 
 
 def evaluation_of(model: Masking, fresnel: Fresnel) -> tuple[Batch, Parameters]:
     """The loop that evaluates the BRDF, in one fraction where the model has it, else part by part; and its parameters."""
     parameters = (model.parameters, fresnel.parameters)
     if isinstance(model, Smith) and type(model.ndf) is GGX and model.correlation == "height":
-        return joined_evaluation(type(fresnel).kernel), (*parameters, *map(inverse_square, model.ndf.parameters))
+        if model.ndf.batch_shape:
+            return joined_evaluation(type(fresnel).kernel, lobe_of_arrays), parameters
+        prepared = map(inverse_square, model.ndf.parameters)
+        return joined_evaluation(type(fresnel).kernel, lobe_of_numbers), (*parameters, *prepared)
     kernels = (type(model.ndf).kernel, model.view_kernel, model.G2_of_cosines, type(fresnel).kernel)
     return evaluation(*kernels), parameters
 
@@ -302,15 +316,19 @@ def normals_weight(
 # --- the model --------------------------------------------------------------------------------------------------------
 
 
-class Microfacet(Model):
-    """The BRDF of mirror facets: model of masking and shadowing, and Fresnel reflectance (None: F = 1). walter2007."""
+class Microfacet(Parametric):
+    """The BRDF of mirror facets: model of masking and shadowing, and Fresnel reflectance (None: F = 1). walter2007.
+
+    Parameters that are arrays broadcast with the directions: a roughness per pixel, or, with directions (..., 1, 3), three
+    indices of a metal for three channels. What is sampled, and its density, does not depend on the reflectance.
+    """
 
     def __init__(self, model: Masking, fresnel: Fresnel | None = None) -> None:
         if not isinstance(model, Masking):
             raise ValueError(f"model must be a model of masking such as Smith(GGX(0.3)), got {model!r}")
         if not (fresnel is None or isinstance(fresnel, Fresnel)):
             raise ValueError(f"fresnel must be None, Dielectric, Conductor or Schlick, got {fresnel!r}")
-        self.model, self.fresnel = model, Mirror() if fresnel is None else fresnel
+        self.model, self.fresnel = together(model=model, fresnel=Mirror() if fresnel is None else fresnel)
         self.parameters = (model.parameters, self.fresnel.parameters)
         self._evaluation, self._evaluation_parameters = evaluation_of(model, self.fresnel)
 
@@ -326,7 +344,7 @@ class Microfacet(Model):
         can sample them, otherwise by all normals. Some go below the horizon: their BRDF is 0, they count as lost. The zero
         vector where wo is below the horizon. out: as for `evaluate`."""
         wo, u = vectors("wo", wo), uniform("u", u)
-        return _mirrored(self.model.sampler, type(self.model.ndf).sample_kernel)([wo, u], self.parameters, out)
+        return _mirrored(self.model.sampler, type(self.model.ndf).sample_kernel)([wo, u], (self.model.parameters,), out)
 
     def pdf(self, wo: Any, wi: Any) -> Any:
         """Density of `sample` over the whole sphere, 1/sr, shapes (..., 3) -> (...).
@@ -336,7 +354,7 @@ class Microfacet(Model):
         model, ndf = self.model, type(self.model.ndf)
         visible = model.sampler is not None
         rule = visible_pdf(ndf.kernel, model.view_kernel, model.G1_of_cosine) if visible else normals_pdf(drawn_from(ndf))
-        return rule([vectors("wo", wo), vectors("wi", wi)], self.parameters)
+        return rule([vectors("wo", wo), vectors("wi", wi)], (self.model.parameters,))
 
     def weight(self, wo: Any, wi: Any) -> Any:
         """What a sample weighs: the BRDF times cos theta_i over `pdf`, shapes (..., 3) -> (...); 0 if either direction is below
@@ -358,16 +376,34 @@ class Microfacet(Model):
         return self.albedo_with_error(wo)[0]
 
     def albedo_with_error(self, wo: Any) -> tuple[Any, Any]:
-        """The albedo, and a bound of its error: some 1e-9 of it, more where distributions or models of your own have kinks."""
-        return self.reflected(wo)
+        """The albedo, and a bound of its error: some 1e-9 of it, more where distributions or models of your own have kinks.
+
+        For arrays of parameters one set after another: each takes some milliseconds.
+        """
+        return self._each_albedo(wo) if self.batch_shape else self.reflected(wo)
+
+    def _each_albedo(self, wo: Any) -> tuple[np.ndarray, np.ndarray]:
+        views = as_vectors("wo", wo)
+        shape = np.broadcast_shapes(views.shape[:-1], self.batch_shape)
+        values, errors = np.empty((2, *shape), views.dtype)
+        views = np.broadcast_to(views, (*shape, 3))
+        places, which = self.distinct()
+        which = np.broadcast_to(which, shape).ravel()
+        order = np.argsort(which, kind="stable")
+        ends = np.searchsorted(which[order], np.arange(len(places) + 1))
+        for place, chosen in zip(places, np.split(order, ends[1:-1]), strict=True):
+            at = np.unravel_index(chosen, shape)
+            values[at], errors[at] = self.at(*place).reflected(views[at])
+        return values, errors
 
     @property
     def reflected(self) -> Reflected:
-        """`albedo_with_error` as a function that is equal for equal models."""
+        """`albedo_with_error` as a function that is equal for equal models, of numbers for parameters."""
+        self.require_numbers("an albedo by quadrature")
         return reflected_share(self.model, self.fresnel)
 
     def __repr__(self) -> str:
-        return f"Microfacet({self.model!r}, {type(self.fresnel).__name__}{self.fresnel.parameters})"
+        return f"Microfacet({self.model!r}, {self.fresnel!r})"
 
 
 @cache

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import cosh, exp, expm1, log, log1p, sinh, sqrt
+from math import cosh, exp, expm1, log, log1p, pi, sinh, sqrt
 from typing import Any, ClassVar
 
 import mpmath
+import numpy as np
 import sympy as sp
+from numpy.typing import ArrayLike
 
 from microfacet import balls
 from microfacet.arithmetic import inverse_power, quotient_of_squares, two_product, two_sum
@@ -15,6 +17,7 @@ from microfacet.directions import within
 from microfacet.geometry.slopes import Distribution, around, normals_integral
 from microfacet.kernels import ByPrecision, packed
 from microfacet.notation import chi, n, q, raw, u, wm, x, y
+from microfacet.parameters import double, each
 from microfacet.proofs import under_integral
 from microfacet.statement import Equation
 
@@ -347,8 +350,32 @@ def kernel_excess(x: float, y: float, z: float, p: Any) -> float:
     return 2.0 * PI / (p[0] + 2.0)
 
 
+def _power(name: str, value: Any) -> float:
+    return within(name, value, POWER_LIMITS)
+
+
+EULER = (-1.0, 5.0, -61.0, 1385.0, -50521.0)  # E_2, E_4, ...
+SHIFT, HIGH = 16, 1e3
+
+
+def gamma_ratio(a: Any) -> Any:
+    """Gamma(a + 3/2)/Gamma(a + 2) of numbers or arrays a >= 0, to a few ulps.
+
+    About w = a + 5/4 its logarithm is -log(w)/2 plus the sum of E_2j/(j 4^(2j + 1) w^2j), which five terms give from w = 17 on;
+    lower arguments are raised by as much, factor by factor. tricomi1951.
+    """
+    low = np.minimum(a, HIGH)[..., None] + np.arange(SHIFT)
+    raised = np.where(a < HIGH, np.prod((low + 2) / (low + 1.5), axis=-1), 1.0)
+    w = np.where(a < HIGH, a + SHIFT, a) + 1.25
+    total: Any = 0.0
+    for j in range(len(EULER), 0, -1):
+        total = (total + EULER[j - 1] / (j * 4.0 ** (2 * j + 1))) / (w * w)
+    ratio = raised * np.exp(total) / np.sqrt(w)
+    return ratio if np.ndim(a) else float(ratio)
+
+
 class BlinnPhong(Distribution):
-    """cos^n theta_m, not normalised: projected area 2 pi/(n+2). n above 0. blinn1977."""
+    """cos^n theta_m, not normalised: projected area 2 pi/(n+2). n within `POWER_LIMITS`, a number or an array. blinn1977."""
 
     kernel = staticmethod(packed(power_of_cosine, 3, 1))
     sample_kernel = staticmethod(kernel_sample)
@@ -357,18 +384,17 @@ class BlinnPhong(Distribution):
     closed_Lambda = staticmethod(kernel_Lambda)
     isotropic = True
 
-    def __init__(self, n: float) -> None:
-        self.n = within("n", n, POWER_LIMITS)
-        half = mpmath.mpf(self.n) / 2
-        K = mpmath.sqrt(mpmath.pi) * mpmath.gammaprod([half + 1.5], [half + 2]) * self._normalisation()
-        self.parameters = (self.n, float(K))
-        self.alpha = self.slope_scale = (1 / (1 + self.n / 2) ** 0.5,) * 2
+    def __init__(self, n: ArrayLike) -> None:
+        self.n = each(_power, "n", n)
+        half = double(self.n) / 2
+        self.parameters = (self.n, sqrt(pi) * gamma_ratio(half) * self._normalisation())
+        self.alpha = self.slope_scale = (1 / (1 + half) ** 0.5,) * 2
 
     def _normalisation(self) -> Any:
-        return mpmath.mpf(1)
+        return 1.0
 
     @property
-    def shown(self) -> tuple[float, ...]:
+    def shown(self) -> tuple[Any, ...]:
         return (self.n,)
 
 
@@ -379,4 +405,4 @@ class NormalizedBlinnPhong(BlinnPhong):
     excess_kernel = None
 
     def _normalisation(self) -> Any:
-        return (mpmath.mpf(self.n) + 2) / (2 * mpmath.pi)
+        return (double(self.n) + 2) / (2 * pi)

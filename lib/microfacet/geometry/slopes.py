@@ -15,12 +15,13 @@ from typing import Any, ClassVar
 
 import numpy as np
 import sympy as sp
+from numpy.typing import ArrayLike
 
 from microfacet.directions import numbers, roughness, uniform, vectors
 from microfacet.geometry.panels import Panels, panels
 from microfacet.kernels import Batch, Parameters
-from microfacet.model import Model
 from microfacet.notation import P22, Direction, alpha_x, alpha_y, chi, raw, x, y
+from microfacet.parameters import Parametric, each, shown, together
 from microfacet.statement import Equation
 
 m = Direction("m")
@@ -110,7 +111,7 @@ with sp.evaluate(False):
 # --- what every distribution shares ---------------------------------------------------------------------------------
 
 
-class Distribution(Model):
+class Distribution(Parametric):
     """A distribution of normals D, 1/sr, over unit microfacet normals.
 
     parameters: what its kernels take as their last argument.
@@ -134,11 +135,13 @@ class Distribution(Model):
     @cached_property
     def slope_scale(self) -> tuple[float, float]:
         """How far slopes spread along x and along y: by default as `spread` finds it."""
+        self.require_numbers("a search for slopes")
         return spread(self.D)
 
     @cached_property
     def panels(self) -> Panels:
         """Where its slopes are, for integrals over them."""
+        self.require_numbers("a search for slopes")
         return panels(self.D, extent(self.D))
 
     def D(self, wm: Any) -> Any:
@@ -159,7 +162,7 @@ class Distribution(Model):
         return _over_normals(_sampled_density(drawn_from(type(self))))([vectors("wm", wm)], self.parameters)
 
     def __repr__(self) -> str:
-        return f"{type(self).__name__}({', '.join(f'{p:g}' for p in self.shown)})"
+        return f"{type(self).__name__}({', '.join(map(shown, self.shown))})"
 
     @property
     def shown(self) -> tuple[float, ...]:
@@ -169,16 +172,18 @@ class Distribution(Model):
 class Stretched(Distribution):
     """A distribution of one shape whose slopes are stretched by alpha_x along x and alpha_y along y.
 
-    alpha_x, alpha_y: numbers from 1e-11 to 1e11, equal if the second is omitted. ValueError for others.
+    alpha_x, alpha_y: from 1e-11 to 1e11, numbers or arrays that broadcast with the directions; equal if the second is omitted.
+    ValueError for others.
     """
 
     alpha: tuple[float, float]
 
-    def __init__(self, alpha_x: float, alpha_y: float | None = None) -> None:
-        self.alpha_x = roughness("alpha_x", alpha_x)
-        self.alpha_y = self.alpha_x if alpha_y is None else roughness("alpha_y", alpha_y)
+    def __init__(self, alpha_x: ArrayLike, alpha_y: ArrayLike | None = None) -> None:
+        along = each(roughness, "alpha_x", alpha_x)
+        across = along if alpha_y is None else each(roughness, "alpha_y", alpha_y)
+        self.alpha_x, self.alpha_y = together(alpha_x=along, alpha_y=across)
         self.parameters = self.alpha = self.slope_scale = (self.alpha_x, self.alpha_y)
-        self.isotropic = self.alpha_x == self.alpha_y
+        self.isotropic = bool(np.all(self.alpha_x == self.alpha_y))
 
 
 def alpha_of(ndf: Distribution) -> tuple[float, float]:

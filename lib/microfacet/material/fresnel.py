@@ -7,13 +7,15 @@ from functools import cache
 from math import sqrt
 from typing import Any, ClassVar
 
+import numpy as np
 import sympy as sp
+from numpy.typing import ArrayLike
 
 from microfacet.arithmetic import two_product, two_sum
 from microfacet.directions import cosines, real_number, within
 from microfacet.kernels import Batch, Parameters, packed
-from microfacet.model import Model
 from microfacet.notation import raw
+from microfacet.parameters import Parametric, each, shown, together
 from microfacet.statement import Equation
 
 c = sp.Symbol("c", positive=True)  # cosine between light and facet normal
@@ -114,14 +116,15 @@ F0_AT_EDGE = 9031.0 / 16807.0  # what F0 counts at c = 1/7: 1 - (6/7)^5
 PER_EDGE = 823543.0 / 46656.0  # 1 over c (1 - c)^6 at c = 1/7
 
 
-def lowest_f82(F0: float, tint: float, F90: float) -> tuple[float, float]:
-    """The cosine, and the value there, at which the tinted approximation is least between its ends.
+def lowest_f82(F0: Any, tint: Any, F90: Any) -> tuple[Any, Any]:
+    """The cosine, and the value there, at which the tinted approximation is least between its ends; shapes broadcast.
 
     With u = 1 - c its derivative by u is u^4 (5 (F90 - F0) - 6 b u + 7 b u^2): the least value is at the larger root.
     """
     b = (1 - tint) * (F0 * F0_AT_EDGE + F90 * (1 - F0_AT_EDGE)) * PER_EDGE
-    square = 9 - 35 * (F90 - F0) / b if b > 0 else -1.0
-    u = min((3 + sqrt(square)) / 7, 1.0) if square >= 0 else 0.0  # without a root it rises from F0 to F90
+    square = 9 - 35 * (F90 - F0) / np.where(b > 0, b, np.nan)
+    rooted = square >= 0  # without a root it rises from F0 to F90
+    u = np.where(rooted, np.minimum((3 + np.sqrt(np.where(rooted, square, 0.0))) / 7, 1.0), 0.0)
     return 1 - u, F0 + (F90 - F0) * u**5 - b * (1 - u) * u**6
 
 
@@ -348,7 +351,7 @@ with sp.evaluate(False):
 # --- what a BRDF takes ------------------------------------------------------------------------------------------------
 
 
-class Fresnel(Model):
+class Fresnel(Parametric):
     """A reflectance as a function of the cosine between light and facet normal."""
 
     kernel: ClassVar[Callable[..., float]]  # F(cosine, parameters)
@@ -359,7 +362,7 @@ class Fresnel(Model):
         return _over_cosines(type(self).kernel)([cosines("cosine", cosine)], self.parameters)
 
     def __repr__(self) -> str:
-        return f"{type(self).__name__}({', '.join(map(repr, self.parameters))})"
+        return f"{type(self).__name__}({', '.join(repr(p) if np.ndim(p) == 0 else shown(p) for p in self.parameters)})"
 
 
 @cache
@@ -379,11 +382,15 @@ def _share(name: str, value: Any) -> float:
     return number
 
 
-def _absorption(k: Any) -> float:
+def _index(name: str, value: Any) -> float:
+    return within(name, value, INDEX)
+
+
+def _absorption(name: str, value: Any) -> float:
     """The argument as a float that is 0 or within `ABSORPTION`; anything else is a ValueError."""
-    number, (low, high) = _number("k", k), ABSORPTION
+    number, (low, high) = _number(name, value), ABSORPTION
     if number != 0 and not low <= number <= high:
-        raise ValueError(f"k must be 0 or lie between {low:g} and {high:g}, got {number:g}")
+        raise ValueError(f"{name} must be 0 or lie between {low:g} and {high:g}, got {number:g}")
     return number
 
 
@@ -406,8 +413,9 @@ class Dielectric(Fresnel):
 
     kernel = staticmethod(packed(dielectric, 1, 1))
 
-    def __init__(self, eta: float) -> None:
-        self.parameters = (within("eta", eta, INDEX),)
+    def __init__(self, eta: ArrayLike) -> None:
+        self.eta = each(_index, "eta", eta)
+        self.parameters = (self.eta,)
 
 
 class Conductor(Fresnel):
@@ -418,8 +426,9 @@ class Conductor(Fresnel):
 
     kernel = staticmethod(packed(conductor, 1, 2))
 
-    def __init__(self, eta: float, k: float) -> None:
-        self.parameters = (within("eta", eta, INDEX), _absorption(k))
+    def __init__(self, eta: ArrayLike, k: ArrayLike) -> None:
+        self.eta, self.k = together(eta=each(_index, "eta", eta), k=each(_absorption, "k", k))
+        self.parameters = (self.eta, self.k)
 
 
 class Schlick(Fresnel):
@@ -430,8 +439,9 @@ class Schlick(Fresnel):
 
     kernel = staticmethod(packed(schlick, 1, 2))
 
-    def __init__(self, F0: float, F90: float = 1.0) -> None:
-        self.parameters = (_share("F0", F0), _share("F90", F90))
+    def __init__(self, F0: ArrayLike, F90: ArrayLike = 1.0) -> None:
+        self.F0, self.F90 = together(F0=each(_share, "F0", F0), F90=each(_share, "F90", F90))
+        self.parameters = (self.F0, self.F90)
 
 
 class F82Tint(Fresnel):
@@ -445,11 +455,15 @@ class F82Tint(Fresnel):
 
     kernel = staticmethod(packed(f82, 1, 3))
 
-    def __init__(self, F0: float, tint: float = 1.0, F90: float = 1.0) -> None:
-        self.parameters = (_share("F0", F0), _share("tint", tint), _share("F90", F90))
+    def __init__(self, F0: ArrayLike, tint: ArrayLike = 1.0, F90: ArrayLike = 1.0) -> None:
+        given = {"F0": F0, "tint": tint, "F90": F90}
+        self.F0, self.tint, self.F90 = together(**{name: each(_share, name, value) for name, value in given.items()})
+        self.parameters = (self.F0, self.tint, self.F90)
         cosine, lowest = lowest_f82(*self.parameters)
-        if lowest < -LEAST:
+        if np.any(lowest < -LEAST):
+            parts = np.broadcast_arrays(*self.parameters, cosine, lowest)
+            normal, dark, grazing, where, least = (float(part.flat[np.argmin(lowest)]) for part in parts)
             raise ValueError(
-                f"tint must be lighter for F0 = {F0:g} and F90 = {F90:g}: the reflectance falls to {lowest:.3g} "
-                f"at cosine {cosine:.3g}, got {tint:g}"
+                f"tint must be lighter for F0 = {normal:g} and F90 = {grazing:g}: the reflectance falls to {least:.3g} "
+                f"at cosine {where:.3g}, got {dark:g}"
             )

@@ -109,6 +109,7 @@ def validate(model: Masking, wo: Any = None, tolerance: float = TOLERANCE) -> Va
     """
     if not isinstance(model, Masking):
         raise ValueError(f"model must be a model of masking such as Smith(GGX(0.3)), got {model!r}")
+    model.require_numbers("validate")
     tolerance = positive("tolerance", tolerance)
     views = default_views(model.ndf) if wo is None else _above(wo)
     sights = Sights(model)

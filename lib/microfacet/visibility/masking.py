@@ -15,8 +15,8 @@ import sympy as sp
 from microfacet.directions import uniform, vectors
 from microfacet.geometry.slopes import Distribution, normals_integral
 from microfacet.kernels import Batch, ByPrecision, Parameters
-from microfacet.model import Model
 from microfacet.notation import G1, D, mu_o, om, raw
+from microfacet.parameters import Parametric
 from microfacet.statement import Equation
 
 # --- statements ---------------------------------------------------------------------------------------------------
@@ -63,7 +63,7 @@ HORIZON = ByPrecision(double=1.5e-154, single=1.1e-19)  # the square of a lower 
 # --- what every model shares ------------------------------------------------------------------------------------------
 
 
-class Masking(Model):
+class Masking(Parametric):
     """A model of masking and shadowing over a distribution of normals.
 
     ndf: the distribution. parameters: what the kernels take last: the distribution's parameters, then the model's own.

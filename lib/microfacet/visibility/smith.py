@@ -362,6 +362,8 @@ class Smith(Masking):
         self.correlation = one_of("correlation", correlation, JOINT)
         self.view_kernel = view_of(ndf)
         by_panels = self.view_kernel is panels_Lambda(type(ndf).kernel)
+        if by_panels:
+            ndf.require_numbers("Lambda by quadrature")
         self.parameters = (ndf.parameters, table_of(ndf.panels) if by_panels else ndf.slope_scale)
         self.G1_of_cosine = masked
         self.G2_of_cosines = shadowed(JOINT[correlation])

@@ -5,12 +5,15 @@ from __future__ import annotations
 from math import pi, sqrt
 from typing import Any
 
+import numpy as np
 import sympy as sp
+from numpy.typing import ArrayLike
 
 from microfacet.directions import positive
 from microfacet.geometry import ggx
 from microfacet.geometry.slopes import Distribution, alpha_of
 from microfacet.notation import Lambda_o, a, chi, im, mu_i, mu_o, om, raw
+from microfacet.parameters import double, each, together
 from microfacet.statement import Equation
 from microfacet.visibility.masking import Masking, nothing
 
@@ -187,15 +190,16 @@ class Kelemen(Masking):
 class SchlickSmith(Masking):
     """Schlick's rational approximation of Smith's G1. Fails the validation equations. schlick1994.
 
-    k: above 0; by default alpha sqrt(2/pi) with the larger roughness of the distribution. Games often use alpha/2. ValueError
-    for others, and where the distribution has no roughness and no k is given.
+    k: above 0, a number or an array; by default alpha sqrt(2/pi) with the larger roughness of the distribution. Games often use
+    alpha/2. ValueError for others, and where the distribution has no roughness and no k is given.
     """
 
     view_kernel = staticmethod(nothing)
     G1_of_cosine = staticmethod(schlick_masked)
     G2_of_cosines = staticmethod(schlick_shadowed)
 
-    def __init__(self, ndf: Distribution, k: float | None = None) -> None:
+    def __init__(self, ndf: Distribution, k: ArrayLike | None = None) -> None:
         super().__init__(ndf)
-        self.k = max(alpha_of(ndf)) * sqrt(2 / pi) if k is None else positive("k", k)
+        self.k = double(np.maximum(*alpha_of(ndf))) * sqrt(2 / pi) if k is None else each(positive, "k", k)
+        together(ndf=ndf, k=self.k)
         self.parameters = (ndf.parameters, (self.k,))
