@@ -60,6 +60,23 @@ def _brdf(words: str, method: Callable[..., Any], real: type, code: tuple[Any, .
     return Method(words, prepare, error, BRDF_SIZES, code)
 
 
+def brdf_of_arrays(size: int, real: type) -> mf.Microfacet:
+    """The same with a roughness for each value, as from a texture."""
+    return mf.Microfacet(mf.Smith(mf.GGX(*(np.full(size, value, real) for value in ALPHA))))
+
+
+def _brdf_of_arrays(words: str, real: type) -> Method:
+    def prepare(size: int) -> Callable[[], Any]:
+        brdf, wo, wi = brdf_of_arrays(size, real), directions(size, 1, real), directions(size, 2, real)
+        return lambda: brdf.evaluate(wo, wi)
+
+    def error(size: int) -> float:
+        wo, wi = directions(2000, 3, real), directions(2000, 4, real)
+        return worst(brdf_of_arrays(2000, real).evaluate(wo, wi), brdf_numpy(wo.astype(LONG), wi.astype(LONG)))
+
+    return Method(words, prepare, error, BRDF_SIZES, (brdf_of_arrays(1, real)._evaluation,))
+
+
 METHODS = {
     "plain": _brdf("NumPy, double", brdf_numpy, np.float64, (brdf_numpy, parts)),
     "plain_single": _brdf("NumPy, single", brdf_numpy, np.float32, (brdf_numpy, parts)),
@@ -67,4 +84,6 @@ METHODS = {
     "blocked_single": _brdf("NumPy blocked, single", brdf_blocked, np.float32, (brdf_numpy, brdf_blocked, parts)),
     "library": _brdf("this library, double", brdf_library, np.float64, (BRDF._evaluation,)),
     "library_single": _brdf("this library, single", brdf_library, np.float32, (BRDF._evaluation,)),
+    "arrays": _brdf_of_arrays("array of roughness, double", np.float64),
+    "arrays_single": _brdf_of_arrays("array of roughness, single", np.float32),
 }
