@@ -19,8 +19,8 @@ from method import ALPHA, Method, directions, uniform
 from microfacet.arithmetic import turn
 from microfacet.directions import spherical
 from microfacet.geometry.slopes import Distribution
+from microfacet.geometry.visible_normals import unstretched
 from microfacet.kernels import Batch
-from microfacet.visibility.visible_normals import unstretched
 
 Normal = tuple[float, float, float]
 SQRT_PI = 1.7724538509055161

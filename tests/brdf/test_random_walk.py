@@ -11,23 +11,12 @@ from typing import Any
 import microfacet as mf
 import numpy as np
 import pytest
-from microfacet.brdf.random_walk import (
-    FACETS,
-    GOLDEN,
-    LONGEST,
-    STRIDE,
-    TRIES,
-    WORD,
-    Bounces,
-    _mixed,
-    drawn,
-    gaussian_excess,
-    gaussian_seen,
-    stream,
-)
+from microfacet.brdf.random_walk import LONGEST, STRIDE, Bounces
 from microfacet.directions import spherical
+from microfacet.geometry.facets import TRIES, gaussian_excess, gaussian_seen
 from microfacet.kernels import Batch
 from microfacet.material.fresnel import Fresnel
+from microfacet.streams import GOLDEN, WORD, _mixed, drawn, stream
 from samples import UP, hemisphere, uniform, views
 from scipy import integrate, stats
 
@@ -269,10 +258,10 @@ def test_later_bounces_of_grey_facets_are_halved_once_each() -> None:
 def test_facets_are_met_in_proportion_to_what_they_show(ndf: Any, degrees: float) -> None:
     """The mean of a function of the normal, against its integral over slopes."""
     v = spherical(np.radians(degrees), 0.8)
-    kernel = FACETS[type(ndf)]
+    kernel: Any = type(ndf).facet_kernel
 
     def facet(u1: float, u2: float, p: Any) -> tuple[float, float, float]:
-        return kernel(p[1][0], p[1][1], p[1][2], u1, u2, stream(u1, u2, 0), 3, p[0])
+        return kernel(p[1][0], p[1][1], p[1][2], u1, u2, stream(u1, u2, 0), 3, p[0][0])
 
     found = Batch(facet, [1, 1], 3)([*uniform(1 << 16, 9).T], ((ndf.parameters, ndf.slope_scale), tuple(map(float, v))))
     assert (found @ v > -1e-12).all()

@@ -8,8 +8,8 @@ import pytest
 from around import reflected, turned_away
 from hypothesis import given
 from hypothesis import strategies as st
-from microfacet.brdf.ggx import inverse_square
 from microfacet.directions import half_vector, spherical
+from microfacet.geometry.ggx import inverse_square
 from samples import LAST, LAST_SINGLE, UP, hemisphere, sphere, uniform, views
 from sampling import density_times_area
 

@@ -28,7 +28,7 @@ import sympy as sp
 from integrals import integral_differs, stands_for_integrals
 from microfacet import arithmetic, balls, checks, statement
 from microfacet.balls import NoBall
-from microfacet.brdf.ggx import inverse_square
+from microfacet.geometry.ggx import inverse_square
 from microfacet.material import fresnel
 from microfacet.statement import Equation, equations
 from mutants import called, of_expression, of_kernel, rebound

@@ -21,10 +21,11 @@ from microfacet import checks
 from microfacet.directions import spherical
 from microfacet.geometry import ggx
 from microfacet.geometry.beckmann import beckmann_Lambda
+from microfacet.geometry.visible_normals import sample_beckmann, sample_ggx, unstretched
+from microfacet.geometry.visible_slopes import FAR, edge_factor, fifth_order, guess, third_order, visible_gaussian_slope
 from microfacet.surface.trace import HeightField, Hits
 from microfacet.validation import chi_square
-from microfacet.visibility.visible_normals import sample_beckmann, sample_ggx, unstretched
-from microfacet.visibility.visible_slopes import FAR, edge_factor, fifth_order, guess, third_order, visible_gaussian_slope
+from microfacet.visibility.smith import of_distribution
 from mutants import rebound
 from samples import LAST
 
@@ -67,7 +68,7 @@ class SampledBy(mf.Smith):
 
     @property
     def sampler(self) -> Callable[..., Any]:
-        return self.kernel
+        return of_distribution(self.kernel)
 
 
 class Right(mf.GGX):
@@ -225,7 +226,7 @@ def test_no_test_of_the_side(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def by_sine(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float]:
-    vx, _, vz = unstretched(ox, oy, oz, p[0][0], p[0][1])
+    vx, _, vz = unstretched(ox, oy, oz, p[0], p[1])
     sine = sqrt(1.0 - vz * vz)
     mx, my, mz = sample_beckmann(ox, oy, oz, u1, u2, p)
     return mx + 0.0 * vx / sine, my, mz
@@ -261,12 +262,12 @@ def test_steps_towards_a_root_that_are_too_few(step: FunctionType, monkeypatch: 
 
 
 def isotropic(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float]:
-    alpha = sqrt(p[0][0] * p[0][1])
-    return sample_ggx(ox, oy, oz, u1, u2, ((alpha, alpha), p[1]))
+    alpha = sqrt(p[0] * p[1])
+    return sample_ggx(ox, oy, oz, u1, u2, (alpha, alpha))
 
 
 def swapped(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float]:
-    return sample_ggx(ox, oy, oz, u1, u2, ((p[0][1], p[0][0]), p[1]))
+    return sample_ggx(ox, oy, oz, u1, u2, (p[1], p[0]))
 
 
 @pytest.mark.parametrize("kernel", [isotropic, swapped])

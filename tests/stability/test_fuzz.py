@@ -9,7 +9,7 @@ import microfacet as mf
 import mpmath
 import numpy as np
 import pytest
-from microfacet.visibility.masking import HORIZON
+from microfacet.geometry.visible_normals import HORIZON
 
 REALS = (np.float64, np.float32)
 FLAT = {np.float64: 6.123233995736766e-17, np.float32: 6.123234e-17}  # cos(pi/2) as trigonometry gives it

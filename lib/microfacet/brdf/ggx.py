@@ -3,64 +3,18 @@ cosine is divided out, and roughness is inverted once for all turns, so that two
 
 from __future__ import annotations
 
-from math import pi, sqrt
 from typing import Any
 
 import sympy as sp
 
-from microfacet.arithmetic import two_product
 from microfacet.geometry import ggx
-from microfacet.geometry.ggx import ROUGHNESS
+from microfacet.geometry.ggx import ROUGHNESS, lobe
 from microfacet.notation import Lambda_i, Lambda_o, a, alpha_x, alpha_y, chi, mu_i, mu_o, raw, wi, wm, wo
 from microfacet.statement import Equation
 from microfacet.visibility import shadowing
 
 x_h, y_h, z_h = sp.symbols("x_h y_h z_h", real=True)  # the sum of both directions
 reach_o, reach_i = raw("reach_o", "r_o", positive=True), raw("reach_i", "r_i", positive=True)
-
-
-SMALL, LARGE = 1e-10, 1e10  # their squares keep their digits in either precision
-
-
-def inverse_square(alpha: float) -> tuple[float, float]:
-    """A factor f and 1/(f alpha)^2 to half an ulp or little more; f = 1 where the square of alpha keeps its digits.
-
-    What rounding left out of the inverse and of its square is put back.
-    """
-    factor = 1.0 if SMALL < alpha < LARGE else 1.0 / alpha
-    scaled = factor * alpha
-    inverse = 1.0 / scaled
-    product, product_rest = two_product(scaled, inverse)
-    square, square_rest = two_product(inverse, inverse)
-    return factor, square + (square_rest + 2.0 * square * ((1.0 - product) - product_rest))
-
-
-def lobe(x_o: float, y_o: float, z_o: float, x_i: float, y_i: float, z_i: float, alpha_x: float, alpha_y: float) -> float:
-    """D G2/(4 cos cos) at the half vector, both directions above the horizon."""
-    return prepared_lobe(x_o, y_o, z_o, x_i, y_i, z_i, alpha_x, alpha_y, inverse_square(alpha_x), inverse_square(alpha_y))
-
-
-def prepared_lobe(
-    x_o: float,
-    y_o: float,
-    z_o: float,
-    x_i: float,
-    y_i: float,
-    z_i: float,
-    alpha_x: float,
-    alpha_y: float,
-    of_x: tuple[float, float],
-    of_y: tuple[float, float],
-) -> float:
-    """The same, given what `inverse_square` makes of both roughnesses."""
-    (x_factor, x_inverse), (y_factor, y_inverse) = of_x, of_y
-    x, y, z = x_o + x_i, y_o + y_i, z_o + z_i
-    square = x * x + y * y + z * z
-    stretched = (x_factor * x) * (x_factor * x) * x_inverse + (y_factor * y) * (y_factor * y) * y_inverse + z * z
-    reach_o = sqrt((alpha_x * x_o) * (alpha_x * x_o) + (alpha_y * y_o) * (alpha_y * y_o) + z_o * z_o)
-    reach_i = sqrt((alpha_x * x_i) * (alpha_x * x_i) + (alpha_y * y_i) * (alpha_y * y_i) + z_i * z_i)
-    shrunk = square / stretched  # first: the squares of both underflow where both directions graze
-    return (shrunk * shrunk) / ((2.0 * pi) * (alpha_x * alpha_y) * (z_o * reach_i + z_i * reach_o))
 
 
 def _reach(direction: Any) -> sp.Expr:

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from microfacet.geometry.ggx import GGX
 from microfacet.geometry.slopes import alpha_of
+from microfacet.geometry.visible_normals import unstretched
 from microfacet.kernels import Batch
 from microfacet.visibility.smith import Smith
-from microfacet.visibility.visible_normals import unstretched
 
 Array = NDArray[np.float64]
 RINGS, SECTORS = 64, 16  # parts of the cap of mirror directions
@@ -95,7 +95,7 @@ class SecondFacets:
 
     def _seen(self, wm: Array) -> Array:
         """How much more often the view sees these normals than it would those of GGX of the same roughness."""
-        if type(self.model.ndf) is GGX:
+        if type(self.model.ndf).kernel is GGX.kernel:
             return np.ones(len(wm))
         ggx = Smith(GGX(*alpha_of(self.model.ndf))).D_visible(self.wo, wm)
         seen = self.model.D_visible(self.wo, wm)

@@ -7,10 +7,9 @@ Heights are given by u, the share of the surface that lies lower, so that their 
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Callable
 from functools import cache
-from math import cos, exp, expm1, log, log1p, pi, sin, sqrt
+from math import expm1, log1p, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,17 +21,17 @@ from microfacet.brdf.specular import D_h, Microfacet, mu
 from microfacet.confidence import mean_bound
 from microfacet.directions import as_uniform, as_vectors, whole
 from microfacet.geometry import ggx
-from microfacet.geometry.beckmann import Beckmann
+from microfacet.geometry.facets import ggx_facet
 from microfacet.geometry.ggx import GGX
 from microfacet.kernels import Batch
 from microfacet.material.fresnel import Fresnel, Mirror
 from microfacet.model import Model
 from microfacet.notation import F, Lambda_i, Lambda_o, a, chi, om, raw, u, v
 from microfacet.statement import Equation
+from microfacet.streams import drawn, stream
 from microfacet.visibility import shadowing
 from microfacet.visibility.smith import G1 as smith_masking
 from microfacet.visibility.smith import Smith, survival
-from microfacet.visibility.visible_normals import SQRT_PI, STRAIGHT, unstretched
 
 # --- statements ---------------------------------------------------------------------------------------------------
 
@@ -158,120 +157,9 @@ def _cap_steps(it: Equation) -> list[Any]:
     ]
 
 
-# --- random numbers: any number of them from two, the same on every thread ----------------------------------------------
-
-WORD = (1 << 64) - 1
-GOLDEN, FIRST, SECOND = 0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB  # of steele2014
-STRIDE, TRIES = 1024, 300  # numbers set aside for a bounce; of these, how often a slope is drawn before giving up
-FLAT = 1e200  # the cotangent of a direction that is upright
-
-
-def _mixed(z: int) -> int:
-    z = ((z ^ (z >> 30)) * FIRST) & WORD
-    z = ((z ^ (z >> 27)) * SECOND) & WORD
-    return z ^ (z >> 31)
-
-
-def _bits(x: float) -> int:
-    return int(struct.unpack("<Q", struct.pack("<d", x))[0])
-
-
-def stream(u1: float, u2: float, k: int) -> int:
-    """The name of the k-th stream of random numbers that a pair of floats stands for."""
-    return _mixed((_mixed((_mixed(_bits(u1)) + _bits(u2)) & WORD) + GOLDEN * (k + 1)) & WORD)
-
-
-def drawn(key: int, k: int) -> float:
-    """The k-th number of a stream, in (0, 1), evenly distributed: splitmix64 at any place. steele2014."""
-    return ((_mixed((key + GOLDEN * (k + 1)) & WORD) >> 12) + 0.5) * 2.0**-52
-
-
-_MIX = f"""
-    z = (z ^ (z >> np.uint64(30))) * np.uint64({FIRST})
-    z = (z ^ (z >> np.uint64(27))) * np.uint64({SECOND})
-    z = z ^ (z >> np.uint64(31))"""
-_STREAM = f"""def unnamed(u1, u2, k):
-    z = np.float64(u1).view(np.uint64){_MIX}
-    z = z + np.float64(u2).view(np.uint64){_MIX}
-    z = z + np.uint64({GOLDEN}) * np.uint64(k + 1){_MIX}
-    return z"""
-_DRAWN = f"""def unnamed(key, k):
-    z = key + np.uint64({GOLDEN}) * np.uint64(k + 1){_MIX}
-    return (np.float64(z >> np.uint64(12)) + 0.5) * 2.220446049250313e-16"""
-stream.__compiled__ = {np.float64: _STREAM}  # type: ignore[attr-defined]
-drawn.__compiled__ = {np.float64: _DRAWN}  # type: ignore[attr-defined]
-
-
-# --- facets that a ray meets --------------------------------------------------------------------------------------------
-
-
-def ggx_facet(vx: float, vy: float, vz: float, u1: float, u2: float, key: int, at: int, p: Any) -> tuple[float, float, float]:
-    """A facet of GGX that faces a direction above the horizon or below: mirror directions fill a cap uniformly. dupuy2023."""
-    alpha_x, alpha_y = p[0]
-    x, y, z = unstretched(vx, vy, vz, alpha_x, alpha_y)
-    rise = 1.0 + z if z > 0.0 else (x * x + y * y) / (1.0 - z)
-    fall = 1.0 - z if z < 0.0 else (x * x + y * y) / (1.0 + z)
-    above = (1.0 - u2) * rise
-    radius = sqrt((above + fall) * (u2 * rise))
-    mx, my = alpha_x * (radius * cos(2.0 * pi * u1) + x), alpha_y * (radius * sin(2.0 * pi * u1) + y)
-    scale = 1.0 / sqrt(mx * mx + my * my + above * above)
-    return scale * mx, scale * my, scale * above
-
-
-def gaussian_excess(c: float, key: int, at: int) -> float:
-    """y > 0 with density in proportion to y exp(-y^2 - 2 c y), c >= 0: by rejection from either of its two factors."""
-    y = 0.0
-    for k in range(TRIES):
-        chance, other, third = drawn(key, at + 3 * k), drawn(key, at + 3 * k + 1), drawn(key, at + 3 * k + 2)
-        if c < 0.75:
-            y = sqrt(-log(chance))
-            if third < exp(-2.0 * c * y):
-                return y
-        else:
-            y = -log(chance * other) / (2.0 * c)
-            if third < exp(-y * y):
-                return y
-    return y
-
-
-def gaussian_seen(c: float, key: int, at: int) -> float:
-    """x below c > 0 with density in proportion to (c - x) exp(-x^2): from a bound, (c + |x|) exp(-x^2), by rejection."""
-    x = 0.0
-    for k in range(TRIES):
-        chance, other, third = drawn(key, at + 3 * k), drawn(key, at + 3 * k + 1), drawn(key, at + 3 * k + 2)
-        radius = sqrt(-log(chance))
-        if third * (SQRT_PI * c + 1.0) < 1.0:  # |x| exp(-x^2), else c exp(-x^2)
-            x = radius if other < 0.5 else -radius
-            rest = 2.0 * other - (0.0 if other < 0.5 else 1.0)
-        else:
-            x = radius * cos(pi * other)
-            rest = (third * (SQRT_PI * c + 1.0) - 1.0) / (SQRT_PI * c)
-        if rest * (c + abs(x)) < c - x:
-            return x
-    return x
-
-
-def beckmann_facet(
-    vx: float, vy: float, vz: float, u1: float, u2: float, key: int, at: int, p: Any
-) -> tuple[float, float, float]:
-    """A facet of Beckmann that faces a direction above the horizon or below, in proportion to what it shows."""
-    alpha_x, alpha_y = p[0]
-    x, y, z = unstretched(vx, vy, vz, alpha_x, alpha_y)
-    length = sqrt(x * x + y * y)
-    c, s = (x / length, y / length) if length > STRAIGHT else (1.0, 0.0)
-    steep = z / length if length > STRAIGHT else FLAT
-    along = gaussian_seen(steep, key, at) if steep > 0.0 else steep - gaussian_excess(-steep, key, at)
-    across = sqrt(-log(1.0 - u1)) * cos(2.0 * pi * u2)
-    slope_x, slope_y = alpha_x * (c * along - s * across), alpha_y * (s * along + c * across)
-    mz = 1.0 / sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
-    return -slope_x * mz, -slope_y * mz, mz
-
-
-FACETS = {GGX: ggx_facet, Beckmann: beckmann_facet}
-
-
 # --- the walk -------------------------------------------------------------------------------------------------------------
 
+STRIDE = 1024  # random numbers set aside for a bounce
 LONGEST = 1000  # bounces after which a walk is given up; its light counts as under way
 stated_down, stated_up, stated_phase, stated_survival = step_down.scalar, step_up.scalar, phase.scalar, survival.scalar
 
@@ -301,7 +189,7 @@ def following(view: Callable[..., float], facet: Callable[..., Any], fresnel: Ca
         weight = 1.0
         for bounce in range(LONGEST):
             at = STRIDE * bounce
-            mx, my, mz = facet(-x, -y, -z, drawn(key, at + 1), drawn(key, at + 2), key, at + 3, p[0])
+            mx, my, mz = facet(-x, -y, -z, drawn(key, at + 1), drawn(key, at + 2), key, at + 3, p[0][0])
             cosine = -(x * mx + y * my + z * mz)
             weight *= fresnel(min(max(cosine, 0.0), 1.0), p[1])
             x, y, z = x + 2.0 * cosine * mx, y + 2.0 * cosine * my, z + 2.0 * cosine * mz
@@ -346,7 +234,7 @@ def steeper(normals: Callable[..., float], view: Callable[..., float]) -> Callab
         steep = alpha * alpha
         span = log1p(1.0 / steep)
         rest = steep * expm1(span * u2)
-        mx, my, mz = ggx_facet(x, y, z, u1, max(1.0 - rest, 0.0), 0, 0, p)
+        mx, my, mz = ggx_facet(x, y, z, u1, max(1.0 - rest, 0.0), 0, 0, p[0])
         often = ggx_normals(mx, my, mz, p[0]) / (1.0 + ggx_view(x, y, z, p[0]))
         wanted = normals(mx, my, mz, p[0]) / (1.0 + view(x, y, z, p))
         return mx, my, mz, (rest + steep) * span * (wanted / often if often > 0.0 else 0.0)
@@ -398,7 +286,7 @@ def going_on(
             if bounce == 0:
                 mx, my, mz, weight = first_facet(ox, oy, oz, drawn(key, 1), drawn(key, 2), p[0])
             else:
-                mx, my, mz = facet(-x, -y, -z, drawn(key, at + 1), drawn(key, at + 2), key, at + 3, p[0])
+                mx, my, mz = facet(-x, -y, -z, drawn(key, at + 1), drawn(key, at + 2), key, at + 3, p[0][0])
             cosine = -(x * mx + y * my + z * mz)
             weight *= fresnel(min(max(cosine, 0.0), 1.0), p[1])
             x, y, z = x + 2.0 * cosine * mx, y + 2.0 * cosine * my, z + 2.0 * cosine * mz
@@ -517,14 +405,14 @@ class RandomWalk(Model):
     """
 
     def __init__(self, model: Smith, fresnel: Fresnel | None = None) -> None:
-        kind = type(getattr(model, "ndf", None))
-        if not isinstance(model, Smith) or model.correlation != "height" or kind not in FACETS:
+        facet = getattr(type(getattr(model, "ndf", None)), "facet_kernel", None)
+        if not isinstance(model, Smith) or model.correlation != "height" or facet is None:
             raise ValueError(f"model must be Smith(GGX(...)) or Smith(Beckmann(...)), height-correlated, got {model!r}")
         self.single = Microfacet(model, fresnel)
         self.single.require_numbers("RandomWalk")
         self.model, self.fresnel = model, self.single.fresnel
         self.parameters = self.single.parameters
-        self._kernels = (model.view_kernel, FACETS[kind], type(self.fresnel).kernel)
+        self._kernels = (model.view_kernel, facet, type(self.fresnel).kernel)
 
     def sample(self, wo: Any, u: Any) -> tuple[Any, Any, Any]:
         """Light directions wi (..., 3) with density in proportion to the BRDF of F = 1 times their cosine, what each

@@ -12,10 +12,9 @@ import sympy as sp
 
 from microfacet import balls
 from microfacet.brdf.albedo import Reflected, reflected_share
-from microfacet.brdf.ggx import inverse_square, prepared_lobe
 from microfacet.directions import as_vectors, uniform, vectors
-from microfacet.geometry.ggx import GGX
 from microfacet.geometry.slopes import drawn_from, excess_over_drawn
+from microfacet.geometry.visible_normals import HORIZON
 from microfacet.kernels import Batch, ByPrecision, Parameters
 from microfacet.material.fresnel import Fresnel, Mirror
 from microfacet.material.reflection import half_vector, i_vector, o_vector, reflected, weak_furnace
@@ -24,7 +23,7 @@ from microfacet.parameters import Parametric, together
 from microfacet.proofs import under_integral
 from microfacet.statement import Equation
 from microfacet.visibility import shadowing, unphysical, v_cavity
-from microfacet.visibility.masking import HORIZON, Masking, over_pairs
+from microfacet.visibility.masking import Masking, over_pairs
 from microfacet.visibility.smith import Smith
 
 G1_h = raw("G1_h", r"G_1(\omega_o, \omega_h)", positive=True)
@@ -200,43 +199,26 @@ def evaluation(
 
 @cache
 def joined_evaluation(fresnel: Callable[..., float], lobe: Callable[..., float]) -> Batch:
-    """The same for Smith's model over GGX, correlated by height: the parts are one fraction.
-
-    lobe: `lobe_of_arrays`, or where roughness is the same for all turns `lobe_of_numbers`.
-    """
+    """The same where a distribution has all but F as one kernel. Parameters: those of the lobe, and of the reflectance."""
 
     def evaluate(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
         hx, hy, hz = ox + ix, oy + iy, oz + iz
         square = hx * hx + hy * hy + hz * hz
         if not (oz > HORIZON and iz > HORIZON and square > 0.0):
             return 0.0
-        return fresnel(min(0.5 * sqrt(square), 1.0), p[1]) * lobe(ox, oy, oz, ix, iy, iz, p)
+        return fresnel(min(0.5 * sqrt(square), 1.0), p[1]) * lobe(ox, oy, oz, ix, iy, iz, p[0])
 
     return over_pairs(evaluate)
 
 
-def lobe_of_arrays(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
-    """Each turn has a roughness of its own, for which `inverse_square` would take longer than all else."""
-    alpha_x, alpha_y = p[0][0]
-    return prepared_lobe(ox, oy, oz, ix, iy, iz, alpha_x, alpha_y, (1.0 / alpha_x, 1.0), (1.0 / alpha_y, 1.0))
-
-
-def lobe_of_numbers(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
-    """Parameters: also what `inverse_square` makes of both roughnesses, once for all turns and calls."""
-    alpha_x, alpha_y = p[0][0]
-    return prepared_lobe(ox, oy, oz, ix, iy, iz, alpha_x, alpha_y, p[2], p[3])
-
-
 def evaluation_of(model: Masking, fresnel: Fresnel) -> tuple[Batch, Parameters]:
     """The loop that evaluates the BRDF, in one fraction where the model has it, else part by part; and its parameters."""
-    parameters = (model.parameters, fresnel.parameters)
-    if isinstance(model, Smith) and type(model.ndf) is GGX and model.correlation == "height":
-        if model.ndf.batch_shape:
-            return joined_evaluation(type(fresnel).kernel, lobe_of_arrays), parameters
-        prepared = map(inverse_square, model.ndf.parameters)
-        return joined_evaluation(type(fresnel).kernel, lobe_of_numbers), (*parameters, *prepared)
+    joined = model.ndf.smith_lobe if isinstance(model, Smith) and model.correlation == "height" else None
+    if joined is not None:
+        lobe, parameters = joined
+        return joined_evaluation(type(fresnel).kernel, lobe), (parameters, fresnel.parameters)
     kernels = (type(model.ndf).kernel, model.view_kernel, model.G2_of_cosines, type(fresnel).kernel)
-    return evaluation(*kernels), parameters
+    return evaluation(*kernels), (model.parameters, fresnel.parameters)
 
 
 @cache
@@ -343,6 +325,8 @@ class Microfacet(Parametric):
         """Light directions with density `pdf`, shapes (..., 3) and (..., 2) -> (..., 3), by visible normals where the model
         can sample them, otherwise by all normals. Some go below the horizon: their BRDF is 0, they count as lost. The zero
         vector where wo is below the horizon. out: as for `evaluate`."""
+        if self.model.sampler is None and type(self.model.ndf).sample_kernel is None:
+            raise ValueError(f"{self!r} has no sampler: the class of its distribution must name a sample_kernel")
         wo, u = vectors("wo", wo), uniform("u", u)
         return _mirrored(self.model.sampler, type(self.model.ndf).sample_kernel)([wo, u], (self.model.parameters,), out)
 

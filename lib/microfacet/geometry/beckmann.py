@@ -11,8 +11,10 @@ import sympy as sp
 
 from microfacet import balls
 from microfacet.arithmetic import exp_minus_squares
+from microfacet.geometry.facets import beckmann_facet
 from microfacet.geometry.ggx import ROUGHNESS
 from microfacet.geometry.slopes import Stretched, around, normals_integral, slope_integral, unstretched_norm
+from microfacet.geometry.visible_normals import sample_beckmann
 from microfacet.kernels import packed
 from microfacet.notation import a, alpha, alpha_x, alpha_y, chi, q, raw, wm, x, y
 from microfacet.statement import Equation
@@ -250,4 +252,6 @@ class Beckmann(Stretched):
     kernel = staticmethod(packed(compensated_D, 3, 2))
     sample_kernel = staticmethod(kernel_sample)
     closed_Lambda = staticmethod(kernel_Lambda)
+    sample_visible_kernel = staticmethod(sample_beckmann)
+    facet_kernel = staticmethod(beckmann_facet)
     reach = 6.5

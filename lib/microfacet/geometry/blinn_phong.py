@@ -378,10 +378,10 @@ class BlinnPhong(Distribution):
     """cos^n theta_m, not normalised: projected area 2 pi/(n+2). n within `POWER_LIMITS`, a number or an array. blinn1977."""
 
     kernel = staticmethod(packed(power_of_cosine, 3, 1))
-    sample_kernel = staticmethod(kernel_sample)
+    sample_kernel: ClassVar[Callable[..., tuple[float, float]] | None] = staticmethod(kernel_sample)
     sampled_kernel = staticmethod(packed(normalized_power, 3, 1))
     excess_kernel: ClassVar[Callable[..., float] | None] = staticmethod(kernel_excess)
-    closed_Lambda = staticmethod(kernel_Lambda)
+    closed_Lambda: ClassVar[Callable[..., float] | None] = staticmethod(kernel_Lambda)
     isotropic = True
 
     def __init__(self, n: ArrayLike) -> None:
@@ -401,8 +401,8 @@ class BlinnPhong(Distribution):
 class NormalizedBlinnPhong(BlinnPhong):
     """(n+2)/(2 pi) cos^n theta_m. n above 0. heitz2014."""
 
-    kernel = sampled_kernel = BlinnPhong.sampled_kernel
-    excess_kernel = None
+    kernel = BlinnPhong.sampled_kernel
+    sample_kernel, closed_Lambda = BlinnPhong.sample_kernel, BlinnPhong.closed_Lambda
 
     def _normalisation(self) -> Any:
         return (double(self.n) + 2) / (2 * pi)

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import product
-from math import atan, sqrt
+from math import atan, pi, sqrt
 from typing import Any
 
 import sympy as sp
 
 from microfacet import balls
+from microfacet.arithmetic import two_product
+from microfacet.geometry.facets import ggx_facet
 from microfacet.geometry.slopes import Stretched, around, normals_integral, slope_integral, unstretched_norm
-from microfacet.kernels import packed
+from microfacet.geometry.visible_normals import sample_ggx
+from microfacet.kernels import Parameters, packed
 from microfacet.notation import a, alpha, alpha_x, alpha_y, chi, q, raw, wm, x, y
 from microfacet.statement import Equation
 
@@ -241,9 +245,80 @@ def kernel_sample(u1: float, u2: float, p: Any) -> tuple[float, float]:
     return alpha_x * x, alpha_y * y
 
 
+# --- the lobe under Smith's model ---------------------------------------------------------------------------------------
+
+
+SMALL, LARGE = 1e-10, 1e10  # their squares keep their digits in either precision
+
+
+def inverse_square(alpha: float) -> tuple[float, float]:
+    """A factor f and 1/(f alpha)^2 to half an ulp or little more; f = 1 where the square of alpha keeps its digits.
+
+    What rounding left out of the inverse and of its square is put back.
+    """
+    factor = 1.0 if SMALL < alpha < LARGE else 1.0 / alpha
+    scaled = factor * alpha
+    inverse = 1.0 / scaled
+    product, product_rest = two_product(scaled, inverse)
+    square, square_rest = two_product(inverse, inverse)
+    return factor, square + (square_rest + 2.0 * square * ((1.0 - product) - product_rest))
+
+
+def lobe(x_o: float, y_o: float, z_o: float, x_i: float, y_i: float, z_i: float, alpha_x: float, alpha_y: float) -> float:
+    """D G2/(4 cos cos) at the half vector, both directions above the horizon: neither the half vector's length nor a cosine is
+    divided out."""
+    return prepared_lobe(x_o, y_o, z_o, x_i, y_i, z_i, alpha_x, alpha_y, inverse_square(alpha_x), inverse_square(alpha_y))
+
+
+def prepared_lobe(
+    x_o: float,
+    y_o: float,
+    z_o: float,
+    x_i: float,
+    y_i: float,
+    z_i: float,
+    alpha_x: float,
+    alpha_y: float,
+    of_x: tuple[float, float],
+    of_y: tuple[float, float],
+) -> float:
+    """The same, given what `inverse_square` makes of both roughnesses."""
+    (x_factor, x_inverse), (y_factor, y_inverse) = of_x, of_y
+    x, y, z = x_o + x_i, y_o + y_i, z_o + z_i
+    square = x * x + y * y + z * z
+    stretched = (x_factor * x) * (x_factor * x) * x_inverse + (y_factor * y) * (y_factor * y) * y_inverse + z * z
+    reach_o = sqrt((alpha_x * x_o) * (alpha_x * x_o) + (alpha_y * y_o) * (alpha_y * y_o) + z_o * z_o)
+    reach_i = sqrt((alpha_x * x_i) * (alpha_x * x_i) + (alpha_y * y_i) * (alpha_y * y_i) + z_i * z_i)
+    shrunk = square / stretched  # first: the squares of both underflow where both directions graze
+    return (shrunk * shrunk) / ((2.0 * pi) * (alpha_x * alpha_y) * (z_o * reach_i + z_i * reach_o))
+
+
+def lobe_of_arrays(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
+    """Each turn has a roughness of its own, for which `inverse_square` would take longer than all else."""
+    alpha_x, alpha_y = p
+    return prepared_lobe(ox, oy, oz, ix, iy, iz, alpha_x, alpha_y, (1.0 / alpha_x, 1.0), (1.0 / alpha_y, 1.0))
+
+
+def lobe_of_numbers(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
+    """Parameters: also what `inverse_square` makes of both roughnesses, once for all turns and calls."""
+    alpha_x, alpha_y, of_x, of_y = p
+    return prepared_lobe(ox, oy, oz, ix, iy, iz, alpha_x, alpha_y, of_x, of_y)
+
+
+# --- the class ----------------------------------------------------------------------------------------------------------
+
+
 class GGX(Stretched):
     """GGX with roughness alpha_x along x and alpha_y along y (equal if omitted), from 1e-11 to 1e11. walter2007; heitz2014."""
 
     kernel = staticmethod(packed(D.scalar, 3, 2))
     sample_kernel = staticmethod(kernel_sample)
     closed_Lambda = staticmethod(kernel_Lambda)
+    sample_visible_kernel = staticmethod(sample_ggx)
+    facet_kernel = staticmethod(ggx_facet)
+
+    @property
+    def smith_lobe(self) -> tuple[Callable[..., float], Parameters]:
+        if self.batch_shape:
+            return lobe_of_arrays, self.parameters
+        return lobe_of_numbers, (*self.parameters, *map(inverse_square, self.parameters))

@@ -111,6 +111,11 @@ with sp.evaluate(False):
 # --- what every distribution shares ---------------------------------------------------------------------------------
 
 
+OF_LAMBDA = ("sample_visible_kernel", "facet_kernel", "smith_lobe")
+OF_D = ("sample_kernel", "sample_density", "sampled_kernel", "excess_kernel", "closed_Lambda", *OF_LAMBDA)
+MADE_FOR = {"kernel": OF_D, "closed_Lambda": OF_LAMBDA}
+
+
 class Distribution(Parametric):
     """A distribution of normals D, 1/sr, over unit microfacet normals.
 
@@ -122,11 +127,15 @@ class Distribution(Parametric):
     """
 
     kernel: ClassVar[Callable[..., float]]  # D(x, y, z, parameters)
-    sample_kernel: ClassVar[Callable[..., tuple[float, float]]]  # slopes(u1, u2, parameters)
+    sample_kernel: ClassVar[Callable[..., tuple[float, float]] | None] = None  # slopes(u1, u2, parameters)
     sample_density: ClassVar[Callable[..., float] | None] = None  # of those slopes at (x, y), if it is not that of D
     sampled_kernel: ClassVar[Callable[..., float] | None] = None  # or, for more digits, the distribution of normals they have
     excess_kernel: ClassVar[Callable[..., float] | None] = None  # and D over that, where both may be too small for numbers
     closed_Lambda: ClassVar[Callable[..., float] | None] = None  # Lambda(x, y, z, parameters)
+    # visible normals of Smith's model: normal(ox, oy, oz, u1, u2, parameters)
+    sample_visible_kernel: ClassVar[Callable[..., tuple[float, float, float]] | None] = None
+    # the facet that a ray towards -v meets, from above or below: facet(vx, vy, vz, u1, u2, key, at, parameters), see `streams`
+    facet_kernel: ClassVar[Callable[..., tuple[float, float, float]] | None] = None
     parameters: Parameters
     alpha: tuple[float, float] | None = None
     reach: ClassVar[float] = inf
@@ -144,6 +153,22 @@ class Distribution(Parametric):
         self.require_numbers("a search for slopes")
         return panels(self.D, extent(self.D))
 
+    def __init_subclass__(cls) -> None:
+        """A class inherits what it can do, but for what was made for another D or another Lambda than its own."""
+        super().__init_subclass__()
+        for changed, made in MADE_FOR.items():
+            for name in made if changed in vars(cls) else ():
+                if name not in vars(cls):
+                    setattr(cls, name, None)
+
+    @property
+    def smith_lobe(self) -> tuple[Callable[..., float], Parameters] | None:
+        """D G2/(4 cos theta_o cos theta_i) of Smith's model, correlated by height, as one kernel if there is one.
+
+        A kernel lobe(ox, oy, oz, ix, iy, iz, parameters), quicker than its parts, and these parameters.
+        """
+        return None
+
     def D(self, wm: Any) -> Any:
         """D(wm), shapes (..., 3) -> (...), 1/sr; 0 below the horizon. heitz2014, section 2."""
         return _over_normals(type(self).kernel)([vectors("wm", wm)], self.parameters)
@@ -154,7 +179,9 @@ class Distribution(Parametric):
         return _over_slopes(_slope_density(type(self).kernel))(slopes, self.parameters)
 
     def sample(self, u: Any) -> Any:
-        """Normals with density `pdf`, shapes (..., 2) -> (..., 3), for u in [0, 1)."""
+        """Normals with density `pdf`, shapes (..., 2) -> (..., 3), for u in [0, 1); ValueError if the class has no sampler."""
+        if type(self).sample_kernel is None:
+            raise ValueError(f"{self!r} has no sampler: its class must name a sample_kernel")
         return _sampler(type(self).sample_kernel)([uniform("u", u)], self.parameters)
 
     def pdf(self, wm: Any) -> Any:

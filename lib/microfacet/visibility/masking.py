@@ -14,7 +14,8 @@ import sympy as sp
 
 from microfacet.directions import uniform, vectors
 from microfacet.geometry.slopes import Distribution, normals_integral
-from microfacet.kernels import Batch, ByPrecision, Parameters
+from microfacet.geometry.visible_normals import HORIZON
+from microfacet.kernels import Batch, Parameters
 from microfacet.notation import G1, D, mu_o, om, raw
 from microfacet.parameters import Parametric
 from microfacet.statement import Equation
@@ -57,8 +58,6 @@ with sp.evaluate(False):
         cite="heitz2014",
         note="The third validation equation: the second, divided by the cosine.",
     )
-
-HORIZON = ByPrecision(double=1.5e-154, single=1.1e-19)  # the square of a lower height loses digits: it counts as 0
 
 # --- what every model shares ------------------------------------------------------------------------------------------
 

@@ -12,8 +12,7 @@ import sympy as sp
 from microfacet import balls
 from microfacet.directions import one_of
 from microfacet.geometry import beckmann, ggx
-from microfacet.geometry.beckmann import Beckmann
-from microfacet.geometry.ggx import GGX, ROUGHNESS
+from microfacet.geometry.ggx import ROUGHNESS
 from microfacet.geometry.slopes import Distribution
 from microfacet.geometry.ward import Ward
 from microfacet.kernels import ByPrecision
@@ -33,7 +32,6 @@ from microfacet.visibility.quadrature import (
     light_tails,
     settled,
 )
-from microfacet.visibility.visible_normals import sample_beckmann, sample_ggx
 
 HALF = sp.Rational(1, 2)
 CORRELATIONS = ("height", "none", "direction", "height-direction")
@@ -350,6 +348,16 @@ def shadowed(joint: Callable[..., float]) -> Callable[..., float]:
     return shadowed
 
 
+@cache
+def of_distribution(kernel: Callable[..., Any]) -> Callable[..., Any]:
+    """A distribution's kernel of a view and two uniform numbers, for the parameters of a model over it."""
+
+    def sampled(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float]:
+        return kernel(ox, oy, oz, u1, u2, p[0])
+
+    return sampled
+
+
 class Smith(Masking):
     """Smith's model over any distribution of normals. smith1967; heitz2014.
 
@@ -370,8 +378,5 @@ class Smith(Masking):
 
     @property
     def sampler(self) -> Callable[..., tuple[float, float, float]] | None:
-        samplers: dict[type[Distribution], Callable[..., tuple[float, float, float]]] = {
-            GGX: sample_ggx,
-            Beckmann: sample_beckmann,
-        }
-        return samplers.get(type(self.ndf))
+        visible = type(self.ndf).sample_visible_kernel
+        return None if visible is None else of_distribution(visible)

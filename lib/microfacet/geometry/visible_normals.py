@@ -1,7 +1,7 @@
 """Sampling the normals that a viewer sees, for Smith's model over GGX and Beckmann.
 
 Both unstretch the view direction to unit roughness, sample there, and stretch the normal back. Sources: heitzdeon2014 for
-Beckmann's slopes (inverted in microfacet.visibility.visible_slopes), dupuy2023 for the spherical cap.
+Beckmann's slopes (inverted in microfacet.geometry.visible_slopes), dupuy2023 for the spherical cap.
 """
 
 from __future__ import annotations
@@ -10,11 +10,11 @@ from math import sqrt
 from typing import Any
 
 from microfacet.arithmetic import turn
+from microfacet.geometry import visible_slopes
+from microfacet.geometry.visible_slopes import NOTHING, gaussian_slope, visible_gaussian_slope
 from microfacet.kernels import ByPrecision
-from microfacet.visibility import visible_slopes
-from microfacet.visibility.masking import HORIZON
-from microfacet.visibility.visible_slopes import NOTHING, gaussian_slope, visible_gaussian_slope
 
+HORIZON = ByPrecision(double=1.5e-154, single=1.1e-19)  # the square of a lower height loses digits: it counts as 0
 EDGE = ByPrecision(double=8 * 2.0**-52, single=8 * 2.0**-23)  # of the sum of a cosine's terms, what rounding may change
 NONE = ByPrecision(double=1e-300, single=1e-37)  # in place of a square that is 0
 SQRT_PI = visible_slopes.SQRT_PI
@@ -43,7 +43,7 @@ def sample_ggx(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) ->
     The height on the cap is kept as its distance from the lower rim, so that no difference of near numbers is taken. The
     unstretched view need not have unit length: all else is longer by as much, until the normal is.
     """
-    alpha_x, alpha_y = p[0]
+    alpha_x, alpha_y = p
     x, y, z = alpha_x * ox, alpha_y * oy, oz if oz > HORIZON else 1.0
     square = x * x + y * y
     height = z + sqrt(square + z * z)
@@ -61,7 +61,7 @@ def sample_ggx(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) ->
 
 def sample_beckmann(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float]:
     """A visible normal of Beckmann: the slope along the view from its visible share, the slope across independent."""
-    alpha_x, alpha_y = p[0]
+    alpha_x, alpha_y = p
     vx, vy = alpha_x * ox, alpha_y * oy
     vz = oz if oz > HORIZON else 1.0
     vs = sqrt(vx * vx + vy * vy)

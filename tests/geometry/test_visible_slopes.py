@@ -7,9 +7,9 @@ from itertools import product
 import mpmath
 import numpy as np
 import pytest
+from microfacet.geometry.visible_slopes import LEAST, NOTHING, gaussian_slope, guess, visible_gaussian_slope
 from microfacet.kernels import Batch, packed
 from microfacet.special_functions import exponential_within, logarithm_about, scaled_erfc
-from microfacet.visibility.visible_slopes import LEAST, NOTHING, gaussian_slope, guess, visible_gaussian_slope
 from samples import LAST, LAST_SINGLE
 
 ALONG = Batch(packed(visible_gaussian_slope, 3, 0), [1, 1, 1])
