@@ -226,3 +226,21 @@ def test_height_correlation_is_the_default(ndf: mf.Beckmann) -> None:
     wo, wi = views(70, 30)
     Lo, Li = smith_Lambda(ndf, wo), smith_Lambda(ndf, wi)
     assert mf.Smith(ndf).G2(wo, wi, UP) == pytest.approx(1 / (1 + Lo + Li), rel=1e-13, abs=0)
+
+
+@pytest.mark.parametrize("real", [np.float64, np.float32])
+@pytest.mark.parametrize(
+    "ndf", [mf.GGX(0.3, 0.1), mf.Beckmann(0.2), mf.Ward(0.4), mf.NormalizedBlinnPhong(20.0), mf.GGX([[0.1], [2.0]])], ids=repr
+)
+def test_Lambda_is_what_G1_says(ndf: mf.GGX, real: type) -> None:
+    wo = np.concatenate([hemisphere(30), [[0, 0, 1], [1, 0, 0], [0.6, 0, -0.8]]]).astype(real)
+    found, G1 = mf.Smith(ndf).Lambda(wo), mf.Smith(ndf).G1(wo, np.array([0, 0, 1], real))
+    assert found.dtype == real
+    np.testing.assert_allclose(1 / (1 + found), G1, rtol=4 * np.finfo(real).eps)
+    assert (found[..., -3] == 0).all()
+    assert np.isinf(found[..., -2:]).all()
+    if type(ndf).closed_Lambda is None:
+        with pytest.raises(ValueError, match=r"Ward\(.*\) has no closed form of Lambda: Smith"):
+            ndf.Lambda(wo)
+    else:
+        np.testing.assert_array_equal(ndf.Lambda(wo), found)

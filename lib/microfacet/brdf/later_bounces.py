@@ -7,8 +7,6 @@ them each of which has its share of the walks that go on. heitz2016, dupuy2023.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cache
 from math import log1p
 from typing import NamedTuple
 
@@ -18,7 +16,6 @@ from numpy.typing import NDArray
 from microfacet.geometry.ggx import GGX
 from microfacet.geometry.slopes import alpha_of
 from microfacet.geometry.visible_normals import unstretched
-from microfacet.kernels import Batch
 from microfacet.visibility.smith import Smith
 
 Array = NDArray[np.float64]
@@ -35,12 +32,6 @@ class Onward(NamedTuple):
     height: Array
     cosine: Array
     weight: Array
-
-
-@cache
-def rising(view: Callable[..., float]) -> Batch:
-    """Lambda of directions, (..., 3) -> (...)."""
-    return Batch(view, [3])
 
 
 class SecondFacets:
@@ -111,5 +102,5 @@ class SecondFacets:
     def _hidden(self, wi: Array) -> Array:
         """Lambda of a direction or of its opposite, and of none nearer to the horizon than a float can be."""
         up = np.column_stack([wi[:, :2], np.maximum(abs(wi[:, 2]), 1e-150)])
-        hidden: Array = rising(self.model.view_kernel)([up], self.model.parameters)
+        hidden: Array = self.model.Lambda(up)
         return hidden

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from microfacet.directions import numbers, roughness, uniform, vectors
 from microfacet.geometry.panels import Panels, panels
+from microfacet.geometry.visible_normals import HORIZON
 from microfacet.kernels import Batch, Parameters
 from microfacet.notation import P22, Direction, alpha_x, alpha_y, chi, raw, x, y
 from microfacet.parameters import Parametric, each, shown, together
@@ -177,6 +178,16 @@ class Distribution(Parametric):
         """Density of slopes, per unit slope area; shapes broadcast. heitz2014, slope space."""
         slopes = [numbers("slope_x", slope_x), numbers("slope_y", slope_y)]
         return _over_slopes(_slope_density(type(self).kernel))(slopes, self.parameters)
+
+    def Lambda(self, wo: Any) -> Any:
+        """Lambda(wo) in closed form, shapes (..., 3) -> (...): what facets hide over what is seen, in Smith's model 1/G1 - 1.
+
+        Infinite at the horizon and below. ValueError where the class has no closed form: Smith has it, by quadrature.
+        heitz2014, section 5.
+        """
+        if type(self).closed_Lambda is None:
+            raise ValueError(f"{self!r} has no closed form of Lambda: Smith({self!r}).Lambda computes it by quadrature")
+        return lambda_batch(type(self).closed_Lambda)([vectors("wo", wo)], self.parameters)
 
     def sample(self, u: Any) -> Any:
         """Normals with density `pdf`, shapes (..., 2) -> (..., 3), for u in [0, 1); ValueError if the class has no sampler."""
@@ -365,6 +376,16 @@ def around(radius: float, u: float) -> tuple[float, float]:
 
 
 # --- what the files of the distributions share ------------------------------------------------------------------------
+
+
+@cache
+def lambda_batch(kernel: Callable[..., float]) -> Batch:
+    """A kernel of Lambda over arrays of directions (..., 3)."""
+
+    def above(x: float, y: float, z: float, p: Any) -> float:
+        return kernel(x, y, z, p) if z > HORIZON else inf
+
+    return Batch(above, [3])
 
 
 def slope_integral(density: sp.Expr) -> sp.Integral:

@@ -10,10 +10,10 @@ from typing import Any
 import sympy as sp
 
 from microfacet import balls
-from microfacet.directions import one_of
+from microfacet.directions import one_of, vectors
 from microfacet.geometry import beckmann, ggx
 from microfacet.geometry.ggx import ROUGHNESS
-from microfacet.geometry.slopes import Distribution
+from microfacet.geometry.slopes import Distribution, lambda_batch
 from microfacet.geometry.ward import Ward
 from microfacet.kernels import ByPrecision
 from microfacet.notation import P2, Lambda_o, alpha, alpha_x, alpha_y, chi, mu_o, om, q, raw, theta_o, u, v, wo, y
@@ -375,6 +375,10 @@ class Smith(Masking):
         self.parameters = (ndf.parameters, table_of(ndf.panels) if by_panels else ndf.slope_scale)
         self.G1_of_cosine = masked
         self.G2_of_cosines = shadowed(JOINT[correlation])
+
+    def Lambda(self, wo: Any) -> Any:
+        """Lambda(wo) = 1/G1 - 1, shapes (..., 3) -> (...); infinite at the horizon and below. heitz2014, section 5."""
+        return lambda_batch(self.view_kernel)([vectors("wo", wo)], self.parameters)
 
     @property
     def sampler(self) -> Callable[..., tuple[float, float, float]] | None:
