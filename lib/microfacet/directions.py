@@ -13,6 +13,7 @@ from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 _PRECISIONS = (np.dtype(np.float64), np.dtype(np.float32))
 UNIT = 2e-5  # how far v.v of a direction may be from 1
@@ -20,7 +21,7 @@ COSINE = UNIT / 2  # how far beyond 0 and 1 a cosine between two directions may 
 ALPHA_LIMITS = (1e-11, 1e11)  # within, D, masking, densities and samples are numbers in both precisions; at 1e12 not all are
 
 
-def spherical(theta: Any, phi: Any = 0.0) -> np.ndarray:
+def spherical(theta: ArrayLike, phi: ArrayLike = 0.0) -> NDArray[Any]:
     """Unit vectors (..., 3) at polar angle theta and azimuth phi, radians."""
     theta, phi = np.broadcast_arrays(np.asarray(theta, float), np.asarray(phi, float))
     return np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=-1)
@@ -188,13 +189,13 @@ def real_number(value: Any) -> float:
         return math.inf
 
 
-def reflect(wo: Any, wm: Any) -> np.ndarray:
+def reflect(wo: ArrayLike, wm: ArrayLike) -> NDArray[Any]:
     """wo mirrored at the microfacet with normal wm: 2 (wo.wm) wm - wo; shapes (..., 3) broadcast."""
     wo, wm = as_vectors("wo", wo), as_vectors("wm", wm)
     return np.asarray(2 * np.sum(wo * wm, axis=-1, keepdims=True) * wm - wo)
 
 
-def half_vector(wo: Any, wi: Any) -> np.ndarray:
+def half_vector(wo: ArrayLike, wi: ArrayLike) -> NDArray[Any]:
     """(wo + wi)/|wo + wi|; where wi = -wo there is none, and the result is 0."""
     total = as_vectors("wo", wo) + as_vectors("wi", wi)
     length = np.linalg.norm(total, axis=-1, keepdims=True)

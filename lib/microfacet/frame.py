@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from microfacet.directions import numbers
 from microfacet.model import Model
@@ -27,17 +28,17 @@ class Frame(Model):
         self.x = _any_tangent(self.z) if tangent is None else _across("tangent", _unit("tangent", tangent), self.z)
         self.y = np.cross(self.z, self.x)
 
-    def to_local(self, w: Any) -> np.ndarray:
+    def to_local(self, w: ArrayLike) -> np.ndarray:
         """Directions of the scene (..., 3) as the library takes them: components along x, y and z."""
         w = _vectors("w", w)
         return np.stack([np.sum(w * axis, axis=-1) for axis in (self.x, self.y, self.z)], axis=-1)
 
-    def to_world(self, w: Any) -> np.ndarray:
+    def to_world(self, w: ArrayLike) -> np.ndarray:
         """Directions of the library (..., 3) as those of the scene; the inverse of `to_local`."""
         w = _vectors("w", w)
         return np.asarray(w[..., :1] * self.x + w[..., 1:2] * self.y + w[..., 2:] * self.z)
 
-    def rotated(self, angle: Any) -> Frame:
+    def rotated(self, angle: ArrayLike) -> Frame:
         """The frame rotated about its normal, x towards y, by an angle (...) in radians."""
         angle = numbers("angle", angle).checked().astype(self.x.dtype)[..., None]
         return Frame(self.z, np.cos(angle) * self.x + np.sin(angle) * self.y)

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import sympy as sp
+from numpy.typing import ArrayLike, NDArray
 
 from microfacet import balls
 from microfacet.brdf.albedo import ROUNDING, Reflected, critical, tanh_sinh
@@ -327,15 +328,15 @@ class Compensated(Model):
         slopes = F * (2 - F) * self.mean_albedo / least**2 + F / least, F**2 * (1 - F) / least**2
         return float(bounces.scalar(F, self.mean_albedo)), slopes[0] * error + slopes[1] * off
 
-    def evaluate(self, wo: Any, wi: Any, out: np.ndarray | None = None) -> Any:
+    def evaluate(self, wo: ArrayLike, wi: ArrayLike, out: NDArray[Any] | None = None) -> NDArray[Any]:
         """The BRDF, 1/sr, shapes (..., 3) -> (...); 0 if either direction is below the horizon."""
         return self._batch([vectors("wo", wo), vectors("wi", wi)], self.parameters, out)
 
-    def albedo(self, wo: Any) -> Any:
+    def albedo(self, wo: ArrayLike) -> NDArray[Any]:
         """Share of light from wo that is reflected, shapes (..., 3) -> (...); 0 below the horizon. By quadrature."""
         return self.albedo_with_error(wo)[0]
 
-    def albedo_with_error(self, wo: Any) -> tuple[Any, Any]:
+    def albedo_with_error(self, wo: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
         """The albedo, and a bound of its error: of the quadratures, and of the means. `evaluate` has it from a series, which
         may be off by `off` more: of the albedo of perfect mirrors, absolutely for "lobe", and of it for "scaled"."""
         (once, once_error), (kept, kept_error) = self.brdf.albedo_with_error(wo), self.mirrors.albedo_with_error(wo)

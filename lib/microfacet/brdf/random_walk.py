@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import sympy as sp
+from numpy.typing import ArrayLike, NDArray
 
 from microfacet import balls
 from microfacet.brdf.later_bounces import SecondFacets
@@ -414,7 +415,7 @@ class RandomWalk(Model):
         self.parameters = self.single.parameters
         self._kernels = (model.view_kernel, facet, type(self.fresnel).kernel)
 
-    def sample(self, wo: Any, u: Any) -> tuple[Any, Any, Any]:
+    def sample(self, wo: ArrayLike, u: ArrayLike) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
         """Light directions wi (..., 3) with density in proportion to the BRDF of F = 1 times their cosine, what each
         weighs (...), which is the product of all reflectances, and the number of bounces (...), for wo (..., 3) and u
         (..., 2) in [0, 1). u names the walk: all its random numbers are drawn from a stream that u starts.
@@ -425,7 +426,7 @@ class RandomWalk(Model):
         real = np.float32 if wo.dtype == u.dtype == np.float32 else np.float64
         return wi.astype(real), np.where(wi[..., 2] > 0, weight, 0.0).astype(real), bounces.astype(np.int64)
 
-    def evaluate(self, wo: Any, wi: Any, walks: int = 256, seed: int = 0) -> Estimate:
+    def evaluate(self, wo: ArrayLike, wi: ArrayLike, walks: int = 256, seed: int = 0) -> Estimate:
         """The BRDF, 1/sr, shapes (..., 3) -> (...): the first bounce exactly, later ones as a mean over so many walks from
         wo; 0 if either direction is below the horizon. The error is a bound, but for odds of 1e-5, if no walk sends much more
         to wi than the one that sends most did: five standard errors and 38 times this walk's part in the mean."""
@@ -434,7 +435,7 @@ class RandomWalk(Model):
         error = mean_bound(_scatter(found, count)[..., 1] ** 2 * count, found[..., 4], count)
         return Estimate(once + found[..., 1].astype(once.dtype), error.astype(once.dtype))
 
-    def connections(self, wo: Any, wi: Any, walks: int = 256, seed: int = 0) -> tuple[Estimate, Estimate]:
+    def connections(self, wo: ArrayLike, wi: ArrayLike, walks: int = 256, seed: int = 0) -> tuple[Estimate, Estimate]:
         """The BRDF of the first bounce and that of all later ones, both as means over walks, 1/sr, (..., 3) -> (...), with
         standard errors. Where hardly any walk sends much to wi, these are too small; the error of `evaluate` is not."""
         found = self._connected(wo, wi, walks, seed)
@@ -453,7 +454,7 @@ class RandomWalk(Model):
             found[..., 4] = np.maximum(found[..., 4], part[..., 4])
         return found / [count, count, count, count, 1]
 
-    def albedo(self, wo: Any, walks: int = 65536, seed: int = 0) -> Estimate:
+    def albedo(self, wo: ArrayLike, walks: int = 65536, seed: int = 0) -> Estimate:
         """Share of light from wo (..., 3) that is reflected (...): the first bounce by quadrature, later ones by walks.
 
         All walks go on after the first bounce (`later`), and the share of light that does so is known from the quadrature. The
@@ -468,19 +469,19 @@ class RandomWalk(Model):
                 found[(slice(None), *at)] = self.later(wo[at], count, seed).light(lossless)
         return Estimate(once + on * found[0], error + on_error + on * np.minimum(found[1] + found[2], 1))
 
-    def going_on(self, wo: Any) -> tuple[Any, Any]:
+    def going_on(self, wo: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
         """Share (...) of walks from wo (..., 3) that meet a second facet, and its error, by quadrature."""
         once, error = Microfacet(self.model).albedo_with_error(wo)
         return np.where(as_vectors("wo", wo)[..., 2] > 0, np.clip(1 - once, 0, 1), 0.0), error
 
-    def later(self, wo: Any, walks: int, seed: Any = 0) -> Later:
+    def later(self, wo: ArrayLike, walks: int, seed: Any = 0) -> Later:
         """So many walks from one view wo (3,) above the horizon, all of which go on after the first bounce."""
         rng = np.random.default_rng(seed)
         start = SecondFacets(self.model, as_vectors("wo", wo).astype(float)).draw(whole("walks", walks, 1), rng)
         found = onward(*self._kernels)([start.direction, start.height, rng.random((walks, 2))], self.parameters)
         return Later(found[:, :3], self.fresnel.F(start.cosine) * found[:, 3], found[:, 4].astype(np.int64) + 1, start.weight)
 
-    def albedo_by_bounce(self, wo: Any, walks: int = 65536, seed: int = 0, orders: int = 6) -> Bounces:
+    def albedo_by_bounce(self, wo: ArrayLike, walks: int = 65536, seed: int = 0, orders: int = 6) -> Bounces:
         """Shares of light from wo (..., 3) that leave after 1, 2, ..., `orders` bounces, from so many walks for each wo."""
         left, later = self._sums(wo, walks, seed, whole("orders", orders, 1))
         value, error = _mean(*left, walks)

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import sympy as sp
+from numpy.typing import ArrayLike, NDArray
 
 from microfacet import balls
 from microfacet.brdf.albedo import Reflected, reflected_share
@@ -314,23 +315,23 @@ class Microfacet(Parametric):
         self.parameters = (model.parameters, self.fresnel.parameters)
         self._evaluation, self._evaluation_parameters = evaluation_of(model, self.fresnel)
 
-    def evaluate(self, wo: Any, wi: Any, out: np.ndarray | None = None) -> Any:
+    def evaluate(self, wo: ArrayLike, wi: ArrayLike, out: NDArray[Any] | None = None) -> NDArray[Any]:
         """The BRDF, 1/sr, shapes (..., 3) -> (...); 0 if either direction is below the horizon. heitz2014.
 
         out: an array to fill and return; after an error what it holds is of no use.
         """
         return self._evaluation([vectors("wo", wo), vectors("wi", wi)], self._evaluation_parameters, out)
 
-    def sample(self, wo: Any, u: Any, out: np.ndarray | None = None) -> Any:
+    def sample(self, wo: ArrayLike, u: ArrayLike, out: NDArray[Any] | None = None) -> NDArray[Any]:
         """Light directions with density `pdf`, shapes (..., 3) and (..., 2) -> (..., 3), by visible normals where the model
         can sample them, otherwise by all normals. Some go below the horizon: their BRDF is 0, they count as lost. The zero
         vector where wo is below the horizon. out: as for `evaluate`."""
         if self.model.sampler is None and type(self.model.ndf).sample_kernel is None:
             raise ValueError(f"{self!r} has no sampler: the class of its distribution must name a sample_kernel")
-        wo, u = vectors("wo", wo), uniform("u", u)
-        return _mirrored(self.model.sampler, type(self.model.ndf).sample_kernel)([wo, u], (self.model.parameters,), out)
+        rule = _mirrored(self.model.sampler, type(self.model.ndf).sample_kernel)
+        return rule([vectors("wo", wo), uniform("u", u)], (self.model.parameters,), out)
 
-    def pdf(self, wo: Any, wi: Any) -> Any:
+    def pdf(self, wo: ArrayLike, wi: ArrayLike) -> NDArray[Any]:
         """Density of `sample` over the whole sphere, 1/sr, shapes (..., 3) -> (...).
 
         Above the horizon it is 0 where `evaluate` is and nowhere else, up to numbers too small for the precision (and F = 0).
@@ -340,7 +341,7 @@ class Microfacet(Parametric):
         rule = visible_pdf(ndf.kernel, model.view_kernel, model.G1_of_cosine) if visible else normals_pdf(drawn_from(ndf))
         return rule([vectors("wo", wo), vectors("wi", wi)], (self.model.parameters,))
 
-    def weight(self, wo: Any, wi: Any) -> Any:
+    def weight(self, wo: ArrayLike, wi: ArrayLike) -> NDArray[Any]:
         """What a sample weighs: the BRDF times cos theta_i over `pdf`, shapes (..., 3) -> (...); 0 if either direction is below
         the horizon.
 
@@ -355,11 +356,11 @@ class Microfacet(Parametric):
             rule = visible_weight(model.view_kernel, model.G1_of_cosine, *parts[1:])
         return rule([vectors("wo", wo), vectors("wi", wi)], self.parameters)
 
-    def albedo(self, wo: Any) -> Any:
+    def albedo(self, wo: ArrayLike) -> NDArray[Any]:
         """Share of light from wo that is reflected, shapes (..., 3) -> (...); 0 below the horizon. By quadrature."""
         return self.albedo_with_error(wo)[0]
 
-    def albedo_with_error(self, wo: Any) -> tuple[Any, Any]:
+    def albedo_with_error(self, wo: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
         """The albedo, and a bound of its error: some 1e-9 of it, more where distributions or models of your own have kinks.
 
         For arrays of parameters one set after another: each takes some milliseconds.

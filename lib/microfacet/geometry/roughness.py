@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from microfacet.directions import numbers, one_of
 
@@ -30,7 +31,7 @@ CONVENTIONS: dict[str, Callable[[Any], Any]] = {
 }
 
 
-def alpha_from_roughness(roughness: Any, convention: str = "squared") -> Any:
+def alpha_from_roughness(roughness: ArrayLike, convention: str = "squared") -> NDArray[Any]:
     """The alpha that a roughness stands for by a convention; any shape, float32 in gives float32 out.
 
     "squared": alpha = r^2, of Disney's materials, glTF, Filament, Unreal and Blender (burley2012). "alpha": alpha itself, as in
@@ -48,7 +49,7 @@ def alpha_from_roughness(roughness: Any, convention: str = "squared") -> Any:
     return rule(values)[()]
 
 
-def stretched_alpha(alpha: Any, anisotropic: Any) -> tuple[Any, Any]:
+def stretched_alpha(alpha: ArrayLike, anisotropic: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
     """alpha_x and alpha_y of a surface rougher along x than along y, from alpha and a number in [0, 1]. burley2012.
 
     Shapes broadcast; alpha_x = alpha/aspect and alpha_y = alpha aspect, with aspect = sqrt(1 - 0.9 anisotropic).

@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 import sympy as sp
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from microfacet.directions import numbers, roughness, uniform, vectors
 from microfacet.geometry.panels import Panels, panels
@@ -170,16 +170,16 @@ class Distribution(Parametric):
         """
         return None
 
-    def D(self, wm: Any) -> Any:
+    def D(self, wm: ArrayLike) -> NDArray[Any]:
         """D(wm), shapes (..., 3) -> (...), 1/sr; 0 below the horizon. heitz2014, section 2."""
         return _over_normals(type(self).kernel)([vectors("wm", wm)], self.parameters)
 
-    def P22(self, slope_x: Any, slope_y: Any) -> Any:
+    def P22(self, slope_x: ArrayLike, slope_y: ArrayLike) -> NDArray[Any]:
         """Density of slopes, per unit slope area; shapes broadcast. heitz2014, slope space."""
         slopes = [numbers("slope_x", slope_x), numbers("slope_y", slope_y)]
         return _over_slopes(_slope_density(type(self).kernel))(slopes, self.parameters)
 
-    def Lambda(self, wo: Any) -> Any:
+    def Lambda(self, wo: ArrayLike) -> NDArray[Any]:
         """Lambda(wo) in closed form, shapes (..., 3) -> (...): what facets hide over what is seen, in Smith's model 1/G1 - 1.
 
         Infinite at the horizon and below. ValueError where the class has no closed form: Smith has it, by quadrature.
@@ -189,13 +189,13 @@ class Distribution(Parametric):
             raise ValueError(f"{self!r} has no closed form of Lambda: Smith({self!r}).Lambda computes it by quadrature")
         return lambda_batch(type(self).closed_Lambda)([vectors("wo", wo)], self.parameters)
 
-    def sample(self, u: Any) -> Any:
+    def sample(self, u: ArrayLike) -> NDArray[Any]:
         """Normals with density `pdf`, shapes (..., 2) -> (..., 3), for u in [0, 1); ValueError if the class has no sampler."""
         if type(self).sample_kernel is None:
             raise ValueError(f"{self!r} has no sampler: its class must name a sample_kernel")
         return _sampler(type(self).sample_kernel)([uniform("u", u)], self.parameters)
 
-    def pdf(self, wm: Any) -> Any:
+    def pdf(self, wm: ArrayLike) -> NDArray[Any]:
         """Density of `sample`, 1/sr, shapes (..., 3) -> (...)."""
         return _over_normals(_sampled_density(drawn_from(type(self))))([vectors("wm", wm)], self.parameters)
 

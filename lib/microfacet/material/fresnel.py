@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 import sympy as sp
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from microfacet.arithmetic import two_product, two_sum
 from microfacet.directions import cosines, real_number, within
@@ -357,7 +357,7 @@ class Fresnel(Parametric):
     kernel: ClassVar[Callable[..., float]]  # F(cosine, parameters)
     parameters: Parameters
 
-    def F(self, cosine: Any) -> Any:
+    def F(self, cosine: ArrayLike) -> NDArray[Any]:
         """Reflectance in [0, 1] at cosines in [0, 1], which rounding may have left by 1e-5; any shape."""
         return _over_cosines(type(self).kernel)([cosines("cosine", cosine)], self.parameters)
 

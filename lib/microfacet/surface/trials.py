@@ -161,7 +161,7 @@ def drawn_as_seen(*distributions: Distribution) -> list[Look]:
     return looks
 
 
-def weighed(*distributions: Distribution, albedo: Callable[[Microfacet, np.ndarray], float]) -> list[Look]:
+def weighed(*distributions: Distribution, albedo: Callable[[Microfacet, np.ndarray], Any]) -> list[Look]:
     """The mean weight of light directions drawn by visible normals, against the albedo."""
     looks = []
     for ndf in distributions:

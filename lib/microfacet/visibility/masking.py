@@ -9,8 +9,8 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any
 
-import numpy as np
 import sympy as sp
+from numpy.typing import ArrayLike, NDArray
 
 from microfacet.directions import uniform, vectors
 from microfacet.geometry.slopes import Distribution, normals_integral
@@ -83,21 +83,21 @@ class Masking(Parametric):
         self.ndf = ndf
         self.parameters = (ndf.parameters, ())
 
-    def G1(self, wo: Any, wm: Any) -> Any:
+    def G1(self, wo: ArrayLike, wm: ArrayLike) -> NDArray[Any]:
         """Share of the facets with normal wm that wo sees, in [0, 1] for a physical model; shapes (..., 3) -> (...)."""
         return over_pairs(self.G1_kernel)([vectors("wo", wo), vectors("wm", wm)], self.parameters)
 
-    def G2(self, wo: Any, wi: Any, wm: Any) -> Any:
+    def G2(self, wo: ArrayLike, wi: ArrayLike, wm: ArrayLike) -> NDArray[Any]:
         """Share of the facets with normal wm that both wo and wi see; shapes (..., 3) -> (...)."""
         arrays = [vectors("wo", wo), vectors("wi", wi), vectors("wm", wm)]
         return over_triples(self.G2_kernel)(arrays, self.parameters)
 
-    def D_visible(self, wo: Any, wm: Any) -> Any:
+    def D_visible(self, wo: ArrayLike, wm: ArrayLike) -> NDArray[Any]:
         """Distribution of the normals that wo sees, 1/sr; shapes (..., 3) -> (...). heitz2014."""
         kernel = seen_by(self.view_kernel, visible_density(self.masked_kernel, type(self.ndf).kernel))
         return over_pairs(kernel)([vectors("wo", wo), vectors("wm", wm)], self.parameters)
 
-    def sample_visible(self, wo: Any, u: Any, out: np.ndarray | None = None) -> Any:
+    def sample_visible(self, wo: ArrayLike, u: ArrayLike, out: NDArray[Any] | None = None) -> NDArray[Any]:
         """Normals distributed as `D_visible`, shapes (..., 3) and (..., 2) -> (..., 3), for u in [0, 1).
 
         The zero vector where wo is below the horizon; ValueError if the model has no such sampler. out: an array to fill and

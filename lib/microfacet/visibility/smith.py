@@ -8,6 +8,7 @@ from math import atan, atan2, cos, pi, sqrt, tan
 from typing import Any
 
 import sympy as sp
+from numpy.typing import ArrayLike, NDArray
 
 from microfacet import balls
 from microfacet.directions import one_of, vectors
@@ -376,7 +377,7 @@ class Smith(Masking):
         self.G1_of_cosine = masked
         self.G2_of_cosines = shadowed(JOINT[correlation])
 
-    def Lambda(self, wo: Any) -> Any:
+    def Lambda(self, wo: ArrayLike) -> NDArray[Any]:
         """Lambda(wo) = 1/G1 - 1, shapes (..., 3) -> (...); infinite at the horizon and below. heitz2014, section 5."""
         return lambda_batch(self.view_kernel)([vectors("wo", wo)], self.parameters)
 
