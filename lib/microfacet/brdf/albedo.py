@@ -362,11 +362,27 @@ def _unit(rays: np.ndarray) -> np.ndarray:
     return np.asarray(rays / np.hypot(rays[..., 0], rays[..., 1])[..., None])
 
 
+def narrowed(widths: np.ndarray, apart: np.ndarray, mirrored: bool) -> np.ndarray:
+    """Widths such that none exceeds that of a neighbour and the angle to it: what is narrow there is so from here.
+
+    apart: angles between neighbours. Not mirrored, the last ray is the first."""
+    found, count = widths.copy(), apart.shape[1]
+    for _ in range(1 if mirrored else 2):
+        if not mirrored:
+            found[:, 0] = found[:, -1] = np.minimum(found[:, 0], found[:, -1])
+        for k in range(count):
+            np.minimum(found[:, k + 1], found[:, k] + apart[:, k], out=found[:, k + 1])
+        for k in range(count, 0, -1):
+            np.minimum(found[:, k - 1], found[:, k] + apart[:, k - 1], out=found[:, k - 1])
+    return found
+
+
 def first_panels(views: np.ndarray, scale: tuple[float, float], mirrored: bool, halvings: int, changes: np.ndarray) -> Panels:
     """Panels from each special ray half way to the next, and back."""
     rays, widths = special_rays(views, scale, mirrored, changes)
     a, b = rays[:, :-1], rays[:, 1:]
     apart = np.arctan2(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0], (a * b).sum(axis=-1)) / 2
+    widths = narrowed(widths, 2 * abs(apart), mirrored)
     view = np.broadcast_to(np.arange(len(views))[:, None], apart.shape)
     kept = np.concatenate([(apart > 0).ravel()] * 2)
     view = np.concatenate([view.ravel()] * 2)[kept]
