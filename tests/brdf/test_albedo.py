@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import sqrt
+from math import pi, sqrt
 from typing import Any
 
 import microfacet as mf
@@ -119,6 +119,47 @@ def test_a_distribution_of_ones_own_with_kinks_tells_an_error_that_holds() -> No
     right = 0.15 * w @ (6 * slope / 0.09 * (1 - slope / 0.3) * (1 - slope**2) / (1 + slope**2))  # cos theta_i = cos 2 theta_m
     assert abs(value - right) <= error
     assert error < 0.01
+
+
+class Same(mf.GGX):
+    """Another name, and nothing else."""
+
+
+class Heavier(mf.Beckmann):
+    """Beckmann's class with the facets of GGX: neither Lambda nor the reach of his slopes is theirs."""
+
+    kernel = staticmethod(mf.GGX.kernel)
+
+
+class Wider(mf.GGX):
+    """Three times rougher along y, though the class says that both axes are alike."""
+
+    @staticmethod
+    def kernel(x: float, y: float, z: float, p: Any) -> float:
+        u, v = x / p[0], y / (3.0 * p[0])
+        square = u * u + v * v + z * z
+        return 1.0 / (3.0 * pi * p[0] * p[0] * square * square)
+
+
+@pytest.mark.parametrize("masked", [mf.Smith, mf.VCavity], ids=["smith", "v_cavity"])
+@pytest.mark.parametrize(("derived", "plain"), [(Heavier(0.3), mf.GGX(0.3)), (Wider(0.3), mf.GGX(0.3, 0.9))], ids=str)
+def test_a_derived_distribution_counts_by_its_kernel(masked: Any, derived: Any, plain: Any) -> None:
+    wo = at(70, 0.6)
+    value, error = mf.Microfacet(masked(derived), GLASS).albedo_with_error(wo)
+    right, off = mf.Microfacet(masked(plain), GLASS).albedo_with_error(wo)
+    assert abs(value - right) <= error + off
+    assert error < 1e-3 * value
+
+
+def test_a_derived_class_that_changes_nothing_is_known_as_well() -> None:
+    class Alike(mf.VCavity):
+        pass
+
+    class Glass(mf.Dielectric):
+        pass
+
+    found = mf.Microfacet(Alike(Same(0.3)), Glass(0.7)).albedo_with_error(at(40, 0.6))
+    assert found == mf.Microfacet(mf.VCavity(mf.GGX(0.3)), mf.Dielectric(0.7)).albedo_with_error(at(40, 0.6))
 
 
 def test_single_precision_gives_the_same_and_tells_its_rounding() -> None:

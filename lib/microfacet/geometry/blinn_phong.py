@@ -377,6 +377,7 @@ class NormalizedBlinnPhong(BlinnPhong):
 
     kernel = sampled_kernel = BlinnPhong.sampled_kernel
     excess_kernel = None
+    closed_Lambda = staticmethod(kernel_Lambda)
 
     def _normalisation(self) -> Any:
         return (mpmath.mpf(self.n) + 2) / (2 * mpmath.pi)

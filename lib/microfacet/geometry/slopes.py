@@ -129,6 +129,12 @@ class Distribution(Model):
     reach: ClassVar[float] = inf
     isotropic: bool = False
 
+    @classmethod
+    def holds(cls, name: str) -> bool:
+        """Whether an attribute was said of this D: by the class that names the kernel or one derived from it, not above."""
+        said, kernel = (next(k for k, kind in enumerate(cls.__mro__) if word in vars(kind)) for word in (name, "kernel"))
+        return said <= kernel
+
     @cached_property
     def scale(self) -> tuple[float, float]:
         """How far slopes spread along x and along y: by default as `spread` finds it."""

@@ -279,7 +279,7 @@ def radial_Lambda(D: Callable[..., float]) -> Callable[..., float]:
 def view_of(ndf: Distribution) -> Callable[..., float]:
     """The cheapest kernel of Lambda for a distribution: a closed form, a rule known to suit it, or one for any distribution."""
     kind = type(ndf)
-    if kind.closed_Lambda is not None:
+    if kind.closed_Lambda is not None and kind.holds("closed_Lambda"):
         return packed_Lambda(kind.closed_Lambda)
     if kind.kernel is Ward.kernel and ndf.isotropic:
         return radial_Lambda(kind.kernel)
