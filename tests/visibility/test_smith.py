@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import microfacet as mf
+import mpmath
 import numpy as np
 import pytest
 import references
@@ -24,7 +27,7 @@ def smith_Lambda(ndf: mf.Beckmann, wo: np.ndarray) -> np.ndarray:
     return 1 / mf.Smith(ndf).G1(wo, wo) - 1
 
 
-@pytest.mark.parametrize("ndf", [*NORMALISED, mf.Ward(0.4), mf.Ward(0.5, 0.2), SKEWED], ids=repr)
+@pytest.mark.parametrize("ndf", [*NORMALISED, mf.Ward(0.4), mf.Ward(0.5, 0.2), mf.Ward(30.0, 3.0), SKEWED], ids=repr)
 def test_Lambda_is_what_faces_away_over_the_cosine(ndf: mf.Beckmann) -> None:
     """The definition, on the sphere around the viewer. Ward's facets do not add up, but these it hides."""
     for wo in [*SEEN, *views(60, azimuth=-160)]:
@@ -42,6 +45,25 @@ def test_closed_forms_are_the_quadrature(ndf: mf.Beckmann, theta: float) -> None
     assert smith_Lambda(ndf, wo) == pytest.approx(quadrature_Lambda(type(ndf).kernel)(*wo, parameters), rel=2e-9, abs=1e-13)
     if ndf.isotropic:
         assert smith_Lambda(ndf, wo) == pytest.approx(radial_Lambda(type(ndf).kernel)(*wo, parameters), rel=2e-9, abs=1e-13)
+
+
+@pytest.mark.parametrize("alpha", [1e-3, 1.0, 30.0, 1e3])
+def test_lambda_of_ward_at_any_roughness(alpha: float) -> None:
+    """Where he is rough, most of what is hidden has slopes near 1, far below alpha. By rings of slopes, at 30 digits; the
+    other way is for unequal roughness, and takes none for equal that differs in the last digits."""
+    for wo in views(30, 80, 89.99, azimuth=50):
+        with mpmath.workdps(30):
+            c = mpmath.mpf(wo[2]) / mpmath.hypot(wo[0], wo[1])
+            rings = [0, *sorted({c, mpmath.mpf(1), mpmath.mpf(alpha), 3 * mpmath.mpf(alpha)}), 10 * alpha]
+            exact = mpmath.quad(lambda t: _ring(t, c, alpha), rings) / c  # noqa: B023
+        for other in (alpha, alpha * (1 + 1e-12)):
+            assert smith_Lambda(mf.Ward(alpha, other), wo) == pytest.approx(float(exact), rel=1e-9, abs=2e-12)
+
+
+def _ring(t: Any, c: Any, alpha: float) -> Any:
+    """What Ward's slopes of length sqrt(c^2 + t^2) hide, per t."""
+    square = c * c + t * t
+    return 2 * mpmath.exp(-square / alpha**2) / (mpmath.pi * alpha**2 * (1 + square) ** 2) * (t - c * mpmath.atan(t / c)) * t
 
 
 @pytest.mark.parametrize(("kind", "paper"), [(mf.GGX, references.ggx_Lambda), (mf.Beckmann, references.beckmann_Lambda)])

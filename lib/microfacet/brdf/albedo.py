@@ -24,8 +24,8 @@ from microfacet.geometry.ggx import GGX
 from microfacet.geometry.ward import Ward
 from microfacet.kernels import Batch
 from microfacet.material.fresnel import Conductor, Dielectric, F82Tint, Fresnel, Mirror, Schlick
-from microfacet.visibility.masking import Masking
-from microfacet.visibility.smith import Smith
+from microfacet.visibility.masking import Masking, between, nothing
+from microfacet.visibility.smith import JOINT, shadowed, view_of
 from microfacet.visibility.unphysical import Implicit, Kelemen, SchlickSmith
 from microfacet.visibility.v_cavity import VCavity
 
@@ -362,11 +362,27 @@ def _unit(rays: np.ndarray) -> np.ndarray:
     return np.asarray(rays / np.hypot(rays[..., 0], rays[..., 1])[..., None])
 
 
+def narrowed(widths: np.ndarray, apart: np.ndarray, mirrored: bool) -> np.ndarray:
+    """Widths such that none exceeds that of a neighbour and the angle to it: what is narrow there is so from here.
+
+    apart: angles between neighbours. Not mirrored, the last ray is the first."""
+    found, count = widths.copy(), apart.shape[1]
+    for _ in range(1 if mirrored else 2):
+        if not mirrored:
+            found[:, 0] = found[:, -1] = np.minimum(found[:, 0], found[:, -1])
+        for k in range(count):
+            np.minimum(found[:, k + 1], found[:, k] + apart[:, k], out=found[:, k + 1])
+        for k in range(count, 0, -1):
+            np.minimum(found[:, k - 1], found[:, k] + apart[:, k - 1], out=found[:, k - 1])
+    return found
+
+
 def first_panels(views: np.ndarray, scale: tuple[float, float], mirrored: bool, halvings: int, changes: np.ndarray) -> Panels:
     """Panels from each special ray half way to the next, and back."""
     rays, widths = special_rays(views, scale, mirrored, changes)
     a, b = rays[:, :-1], rays[:, 1:]
     apart = np.arctan2(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0], (a * b).sum(axis=-1)) / 2
+    widths = narrowed(widths, 2 * abs(apart), mirrored)
     view = np.broadcast_to(np.arange(len(views))[:, None], apart.shape)
     kept = np.concatenate([(apart > 0).ravel()] * 2)
     view = np.concatenate([view.ravel()] * 2)[kept]
@@ -467,32 +483,41 @@ def _joined(first: Any, second: Any) -> Any:
     return type(first)(*(np.concatenate(both) for both in zip(first, second, strict=True)))
 
 
-FAMILIES = (GGX, Beckmann, Ward, BlinnPhong, NormalizedBlinnPhong)
-MODELS = (Smith, VCavity, Implicit, Kelemen, SchlickSmith)
-REFLECTANCES = (Mirror, Dielectric, Conductor, Schlick, F82Tint)
+FAMILIES = tuple(kind.kernel for kind in (GGX, Beckmann, Ward, BlinnPhong, NormalizedBlinnPhong))
+BY_AZIMUTH = tuple(between(shadowed(JOINT[name])) for name in ("direction", "height-direction"))
+CAVITIES = between(VCavity.G2_of_cosines)
+MODELS = (
+    *(between(shadowed(joint)) for joint in JOINT.values()),
+    *(between(kind.G2_of_cosines) for kind in (VCavity, Implicit, Kelemen, SchlickSmith)),
+)
+INDICES = (Dielectric.kernel, Conductor.kernel)
+REFLECTANCES = (Mirror.kernel, *INDICES, Schlick.kernel, F82Tint.kernel)
 ROUGH = 0.5  # roughness from which on light from the zenith is masked so much less than other that a ray is cut there
 UNEQUAL = 2.0  # ratio of roughnesses, likewise for light along the axis of the smaller
 NEVER = 4.0  # square of a cosine that no facet has
 
 
 def reflected_share(model: Masking, fresnel: Fresnel) -> Reflected:
-    """The same function for equal models."""
+    """The same function for equal models. What is known of a model is known of its kernels: a class may change them."""
     ndf, kind = model.ndf, type(fresnel)
     parts = (type(ndf).kernel, model.view_kernel, model.shadowed_kernel, kind.kernel)
-    known = type(ndf) in FAMILIES and type(model) in MODELS and kind in REFLECTANCES
-    effort = KNOWN if known else UNKNOWN
+    familiar, masked = type(ndf).kernel in FAMILIES, model.shadowed_kernel in MODELS and seen_as_usual(model)
+    effort = KNOWN if familiar and masked and kind.kernel in REFLECTANCES else UNKNOWN
     rule = (ndf.reach, critical(fresnel), *effort.levels, bright(ndf.slope_scale))
     parameters = (model.parameters, fresnel.parameters, ndf.slope_scale, *rule)
-    return Reflected((cuts_of(model), model.view_kernel, *parts), parameters, effort, ndf.isotropic and type(model) in MODELS)
+    return Reflected((cuts_of(model), model.view_kernel, *parts), parameters, effort, ndf.isotropic and familiar and masked)
 
 
-def cuts_of(model: Masking) -> Callable[..., Any]:
+def seen_as_usual(model: Masking) -> bool:
+    """Whether masking knows of a direction what the library's models know: nothing, or Smith's Lambda."""
+    return model.view_kernel in (nothing, view_of(model.ndf))
+
+
+def cuts_of(model: Masking) -> Callable[..., float]:
     """The kernel that tells where a ray is cut."""
-    if isinstance(model, VCavity):
+    if model.shadowed_kernel is CAVITIES:
         return cavity_creases
-    if isinstance(model, Smith) and model.correlation in ("direction", "height-direction"):
-        return equals
-    return bright_light
+    return equals if model.shadowed_kernel in BY_AZIMUTH else bright_light
 
 
 def bright(scale: tuple[float, float]) -> float:
@@ -503,6 +528,6 @@ def bright(scale: tuple[float, float]) -> float:
 
 def critical(fresnel: Fresnel) -> float:
     """The square of the cosine beyond which reflection is total, or would be but for absorption."""
-    index, absorption = (*fresnel.parameters, 0.0)[:2] if isinstance(fresnel, Dielectric | Conductor) else (2.0, 0.0)
+    index, absorption = (*fresnel.parameters, 0.0)[:2] if type(fresnel).kernel in INDICES else (2.0, 0.0)
     square = 1 - (index - absorption) * (index + absorption)
     return square if 0 < square < 1 else NEVER

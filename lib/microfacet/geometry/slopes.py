@@ -113,7 +113,7 @@ with sp.evaluate(False):
 
 
 OF_LAMBDA = ("sample_visible_kernel", "facet_kernel", "smith_lobe")
-OF_D = ("sample_kernel", "sample_density", "sampled_kernel", "excess_kernel", "closed_Lambda", *OF_LAMBDA)
+OF_D = ("reach", "sample_kernel", "sample_density", "sampled_kernel", "excess_kernel", "closed_Lambda", *OF_LAMBDA)
 MADE_FOR = {"kernel": OF_D, "closed_Lambda": OF_LAMBDA}
 
 
@@ -160,7 +160,7 @@ class Distribution(Parametric):
         for changed, made in MADE_FOR.items():
             for name in made if changed in vars(cls) else ():
                 if name not in vars(cls):
-                    setattr(cls, name, None)
+                    setattr(cls, name, vars(Distribution)[name])
 
     @property
     def smith_lobe(self) -> tuple[Callable[..., float], Parameters] | None:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from math import atan, atan2, cos, pi, sqrt, tan
+from math import asinh, atan, atan2, cos, cosh, pi, sinh, sqrt, tan
 from typing import Any
 
+import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
@@ -198,6 +199,8 @@ def _projection_steps() -> list[Any]:
 
 CLOSE = ByPrecision(1e-10, 1e-5)  # difference of two rules, beside Lambda + LEAST: far above the error of the finer one
 LEAST = 0.01
+LIKE_BECKMANN = 1.0  # roughness from which on Ward's slopes are fewer than the scale says, and its quadrature errs
+TAIL = 7.0  # scales, beyond which the slopes of exponential tails hide less than 1e-20
 
 
 @cache
@@ -243,7 +246,8 @@ def radial_Lambda(D: Callable[..., float]) -> Callable[..., float]:
     """Lambda of a distribution without a preferred azimuth: the integral over azimuth is done, one over slopes is left.
 
     Slopes of length sqrt(c^2 + s^2), c = cot theta_o, hide 2 s (1 - atan(s/c)/(s/c)) in all; s is the tangent of an
-    angle times a width. More and more nodes are taken until two rules agree.
+    angle times a width, or the hyperbolic sine of a number where tails fall exponentially: it spreads nodes over all sizes
+    from 1, where Ward's density of slopes falls as a power, to alpha. More and more nodes are taken until two rules agree.
     """
 
     fall = light_tails(D)
@@ -252,17 +256,19 @@ def radial_Lambda(D: Callable[..., float]) -> Callable[..., float]:
         across = sqrt(x * x + y * y)
         if across == 0.0:
             return 0.0
-        c, alpha = abs(z) / across, p[1][0]
-        width = alpha if fall(p) else sqrt(alpha * alpha + c * c)
+        c, alpha, light = abs(z) / across, p[1][0], fall(p)
+        width = min(alpha, 1.0) if light else sqrt(alpha * alpha + c * c)
+        last = asinh(TAIL * alpha / width) if light else 0.5 * pi
         before, total = 0.0, 0.0
         for rule in range(HEAVY_LEVELS, LIGHT_LEVELS):
             before, total = total, 0.0
             for k in range(int(STARTS[rule]), int(STARTS[rule + 1])):
-                angle = 0.25 * pi * (1.0 + NODES[k])
-                s = width * tan(angle)
+                u = 0.5 * last * (1.0 + NODES[k])
+                s = width * (sinh(u) if light else tan(u))
+                stretch = width * (cosh(u) if light else 1.0 / (cos(u) * cos(u)))
                 m = 1.0 / sqrt(1.0 + c * c + s * s)
                 density = D(sqrt(c * c + s * s) * m, 0.0, m, p[0]) * ((m * m) * (m * m))
-                total += 0.5 * pi * width * WEIGHTS[k] * density * s * s * bend(s / c) / (cos(angle) * cos(angle))
+                total += last * WEIGHTS[k] * stretch * density * s * s * bend(s / c)
             if rule > HEAVY_LEVELS and abs(total - before) <= CLOSE * (LEAST * c + total):
                 break
         return total / c
@@ -275,8 +281,10 @@ def view_of(ndf: Distribution) -> Callable[..., float]:
     kind = type(ndf)
     if kind.closed_Lambda is not None:
         return packed_Lambda(kind.closed_Lambda)
-    if kind.kernel is Ward.kernel:
-        return radial_Lambda(kind.kernel) if ndf.isotropic else quadrature_Lambda(kind.kernel)
+    if kind.kernel is Ward.kernel and ndf.isotropic:
+        return radial_Lambda(kind.kernel)
+    if kind.kernel is Ward.kernel and max(map(np.max, ndf.slope_scale)) <= LIKE_BECKMANN:
+        return quadrature_Lambda(kind.kernel)
     return panels_Lambda(kind.kernel)
 
 
