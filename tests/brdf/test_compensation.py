@@ -7,6 +7,8 @@ from typing import Any
 import microfacet as mf
 import numpy as np
 import pytest
+import rays
+from albedos import index, view
 from microfacet.brdf.compensation import FORMS
 from microfacet.directions import spherical
 from samples import UP, hemisphere, views
@@ -76,6 +78,69 @@ def test_one_bounce_is_made_brighter_by_what_its_albedo_lacks(alphas: tuple[floa
     wo = views(0, 37, 80, 89)
     brighter = mf.Compensated(single, "scaled").evaluate(wo, wo * [-1, -1, 1]) / single.evaluate(wo, wo * [-1, -1, 1])
     np.testing.assert_allclose(brighter * single.albedo(wo), 1, atol=5e-3 if max(alphas) > 10 else 1e-3)
+
+
+def random_single(g: np.random.Generator) -> mf.Microfacet:
+    """One in five of unequal roughness."""
+    first = float(10 ** g.uniform(-6, 0.5))
+    second = float(first * 10 ** g.uniform(-3, 1)) if g.random() < 0.2 else first
+    family, model = (mf.GGX, mf.Beckmann)[g.integers(2)], (mf.Smith, mf.VCavity)[g.integers(2)]
+    reflectances = (mf.Dielectric(index(g)), mf.Conductor(index(g), float(10 ** g.uniform(-6, 1))), None)
+    return mf.Microfacet(model(family(first, second)), reflectances[g.integers(3)])
+
+
+def made(single: mf.Microfacet, form: str) -> Any:
+    """None where the albedo is not known well enough, which is refused."""
+    try:
+        return mf.Compensated(single, form)
+    except ValueError:
+        return None
+
+
+def mean_over_cosines(function: Any, kink: float = 0.0) -> float:
+    """Of a function of the cosine over light from everywhere, by Gauss's rule in pieces even in the logarithm."""
+    nodes, weights = np.polynomial.legendre.leggauss(12)
+    ends = np.array([0, *np.logspace(-8, -1, 8), *np.linspace(0.19, 1, 10)])
+    if kink > 0:
+        beside = kink + np.concatenate([-np.logspace(-9, -1, 17), [0], np.logspace(-9, -1, 17)])
+        ends = np.unique(np.concatenate([ends, beside[(beside > 0) & (beside < 1)]]))
+    low, size = ends[:-1, None], np.diff(ends)[:, None]
+    cosine = (low + size * (nodes + 1) / 2).ravel()
+    return float(np.sum((weights * size).ravel() * cosine * function(cosine)))
+
+
+def mean_ratios(single: mf.Microfacet, wo: np.ndarray, known: float, off: float) -> list[float]:
+    """Errors of the mean albedo and of the compensated one over what is told of them."""
+    whole, mirrors = mf.Compensated(single), mf.Microfacet(single.model)
+    E = mean_over_cosines(lambda z: mirrors.albedo(spherical(np.arccos(z))))
+    n = complex(*single.fresnel.parameters) if single.fresnel.parameters else 1.0
+    F = mean_over_cosines(single.fresnel.F, np.sqrt(max((1 - n * n).real, 0.0)))  # total reflection begins there
+    once, unsure = rays.albedo(single, wo, float(single.albedo(wo)), 1e-9)
+    right = once + F**2 * E / (1 - F * (1 - E)) * (1 - known)
+    value, told = whole.albedo_with_error(wo)
+    return [abs(whole.mean_albedo - E) / whole.off, (abs(value - right) - unsure - off) / told]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("part", range(4))
+def test_what_is_told_bounds_the_error_of_series_and_means(part: int) -> None:
+    """100 random cases in all parts. The albedo is that of another sum, in directions that the series was not made of."""
+    ratios, refused = [], 0
+    for k in range(part, 100, 4):
+        g = np.random.default_rng(k)
+        single = random_single(g)
+        mirrors, wo = mf.Microfacet(single.model), view(None, g)
+        known, off = rays.albedo(mirrors, wo, float(mirrors.albedo(wo)), 1e-9)
+        if scaled := made(mirrors, "scaled"):
+            way = wo * [-1, -1, 1]
+            kept = float(mirrors.evaluate(wo, way) / scaled.evaluate(wo, way))
+            ratios.append((abs(kept - known) - off) / (scaled.off * known))
+        refused += scaled is None
+        if single.model.ndf.isotropic and made(single, "lobe"):
+            ratios += mean_ratios(single, wo, known, off)
+    print(f"largest {max(ratios):.2g} of {len(ratios)}, refused {refused}")
+    assert max(ratios) <= 1, ratios
+    assert refused <= 3
 
 
 def test_models_that_create_light_are_refused() -> None:
