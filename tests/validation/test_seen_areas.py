@@ -77,3 +77,29 @@ def test_coefficients_bound_the_error_of_jumps_bends_and_ramps(places: np.ndarra
     for values, exact in kinds.values():
         error = np.abs(values.T @ weights - exact)
         assert (error <= adaptive._falling(values[None])[0] + 1e-15).all()
+
+
+def test_neighbours_of_an_error_answer_for_a_part_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of half rings seen from above: those of the same half inside and outside, and the other half. Larger ones for more."""
+    monkeypatch.setattr(adaptive, "WORTH", 0.01)
+    level = adaptive._Rings(lambda m: m[:, 2], None, np.array([0.0, 0.0, 1.0]), (1.0, 1.0))
+    boxes = level.boxes()
+    errors = np.zeros(len(boxes))
+    errors[2] = 1.0
+    beside = adaptive._beside(level, boxes, errors)
+    assert set(np.flatnonzero(beside)) == {0, 3, 4}
+    assert 0 < beside[4] < beside[3] < beside[0] < 0.1
+
+
+def test_neighbours_across_the_edge_of_a_region(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The ring up to the edge of visibility meets all three kinds of arcs beyond it."""
+    monkeypatch.setattr(adaptive, "WORTH", 0.01)
+    wo = np.array([0.6, 0.0, 0.8])
+    tilted = adaptive._Rings(lambda m: m[:, 2], None, wo, (1.0, 1.0))
+    boxes = tilted.boxes()
+    outermost = np.flatnonzero(boxes[:, 0] == 0)[-2:]
+    errors = np.zeros(len(boxes))
+    errors[outermost] = 1.0
+    found = np.flatnonzero(adaptive._beside(tilted, boxes, errors))
+    assert set(boxes[found, 0]) >= {0.0, 1.0, 2.0}
+    assert (boxes[found[boxes[found, 0] > 0], 1] == 0).all()
