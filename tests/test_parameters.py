@@ -173,6 +173,8 @@ def test_arrays_that_are_no_parameters_are_refused(make: Callable[[], Any], told
         lambda brdf: mf.validate(brdf.model),
         lambda brdf: mf.Compensated(brdf),
         lambda brdf: mf.RandomWalk(brdf.model),
+        lambda brdf: mf.Diffuse(brdf.model),
+        lambda brdf: mf.seen_area(brdf.model.ndf),
         lambda brdf: brdf.reflected,
         lambda brdf: brdf.model.ndf.panels,
     ],

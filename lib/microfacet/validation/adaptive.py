@@ -1,38 +1,59 @@
-"""The area that a direction sees of a surface whose distribution of normals is any function, with an error estimate.
+"""The area that a direction sees of a surface whose distribution of normals is any function, with a bound of its error.
 
-Nothing is known of the function: neither its shape nor its scale. A coarse look at slopes of all sizes tells how far they
-spread along each axis. In slopes divided by these, rings around the origin are followed in polar coordinates: whole rings
-as far as the edge of visibility, a straight line, then the arcs of a ring on this side of it, cut where V-cavities begin
-to mask. A function of the polar angle only, a table for instance, has its kinks on rings; halving closes in on them.
-Boxes of radius and azimuth are halved, those of the largest errors first, in the direction that the error comes from.
-Each round is one call of the function.
+Nothing is known of the function: neither its shape nor its scale. Slopes are divided by how far they spread along each axis,
+and rings around the origin are followed in polar coordinates: whole rings as far as the edge of visibility, a straight line,
+then the arcs of a ring on this side of it, cut where V-cavities begin to mask. A function of the polar angle only, a table
+for instance, has its kinks on rings; halving closes in on them. A look at slopes of all sizes tells where the function changes
+from one to the next: there the first boxes of radius and azimuth have nodes as close as that. Boxes are then halved, those of
+the largest errors first, in the direction that the error comes from. Each round is one call of the function.
+
+The outermost nodes of a box lie on its edges, so that no jump is between two boxes. The error follows from how the coefficients
+of each box's polynomials fall, and what a box may be off by because of a jump beside it is added.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.polynomial import legendre
 
 from microfacet.directions import as_vectors, positive, whole
-from microfacet.geometry.panels import NODES, falling, halves, rule
+from microfacet.geometry.panels import halves
 from microfacet.geometry.slopes import Distribution, spread
 
 Function = Callable[[np.ndarray], np.ndarray]
 
 ROUNDING = 1e-13  # relative, of what is summed
-NEAR = 8.0  # radius, in scales, up to which it is the coordinate; beyond, its inverse is
-STARTS = (0.0, 0.06, 0.15, 0.3, 0.6, 1.0, 2.0)  # first boxes' ends along the coordinate of the radius
+STARTS = np.array([0.0, 0.6, 1.5, 3.0, 8.0])  # radii, in scales, where first boxes begin
 APART = np.array([1.0, 6.0, 36.0, 216.0])  # and in units of a near edge of visibility, where arcs change within its distance
 FARTHEST = 1e12  # an edge of visibility beyond this radius, in scales, is none
 ROUNDS = 60
 WORTH = 0.1  # of the largest error: boxes of less wait for another round
 
+NODES, GROUP = 17, 4  # in each direction of a box; coefficients of one group
+INSIDE = 1e-13  # from the ends of coordinates, where slopes are infinite and normals at right angles to the view
+SURE = 1.5  # times what coefficients say: then it bounds the error of jumps, bends, ramps, bumps and poles at any place
+FALL = 4.0, 3  # how many times less one group of coefficients must be than the one before; what power of more than that counts
+BESIDE = 0.02  # of the error per area that neighbours have: a corner of what jumps there may lie between a box's nodes
+OUTSIDE = 0.55  # of a box's side, from its middle: there its neighbours are
+WHOLE = 2.0  # logarithm of radii beyond which boxes count as if it were this
+GROWN = 1.5  # times as many boxes, until neighbours are looked at anew
+
+LOOK = (-5, 4)  # decades of radii looked at, in scales
+PER_DECADE, TURN, CLOSER = 26, 80, 4  # radii and azimuths looked at; how many times more where facets are missing
+MISSING = 1e-3  # of the area of all facets
+UNEVEN = 0.25  # a second difference, of the largest of its values, from which on a function may be anything in between
+FACETS = 1e-15  # of all: fewer near a point are no reason for small boxes
+AROUND = 1, 2, 3  # steps by which such places are widened in turn: what is uneven fades beside them
+CELLS = 10  # of the look, that a box may extend over where the function is uneven
+
 
 class Area(NamedTuple):
-    """An area seen, over cos theta_o; the estimate of its error, not proved; how often the function was evaluated."""
+    """An area seen, over cos theta_o; a bound of its error; how often the function was evaluated at nodes."""
 
     value: float
     error: float
@@ -52,14 +73,19 @@ def seen_area(
     D: a distribution, or any function of unit normals (n, 3), z > 0, that gives (n,), 1/sr. wo: one view direction (3,) above
     the horizon. G1: masking, a function of normals too; None for 1. With it the area is 1 for a physical model; without, it
     is 1 + Lambda of Smith's model, and from straight above the projected area of all facets. tolerance: the relative
-    error to reach, above 0, unless that takes more than about `most` evaluations: then the error is told as it is. scale:
-    how far slopes spread along x and y, above 0, if known. A feature between the slopes looked at, some four to a decade
-    along each axis, can be missed if it is narrower than their distance. ValueError for a direction not above the horizon,
-    for other numbers than these, and where D or G1 is no function or not finite. heitz2014.
+    error to reach, above 0, unless that takes more than about `most` evaluations at nodes: then the error is told as it is.
+    scale: how far slopes spread along x and y, above 0, if known.
+
+    D and G1 may jump and bend anywhere. The error bounds what is off as long as they have nothing narrower than a sixth of its
+    distance from the origin, in slopes divided by the scales, as far as these are between 1e-5 and 1e4; if the facets of
+    D do not project to 1, a closer look is taken, and nothing narrower than a 24th is missed. ValueError for a direction not
+    above the horizon, for other numbers than these, and where D or G1 is no function or not finite. heitz2014.
     """
     view = as_vectors("wo", wo)
     if view.shape != (3,) or not view[2] > 0:
         raise ValueError(f"wo must be one direction above the horizon, got {wo!r}")
+    if isinstance(D, Distribution):
+        D.require_numbers("seen_area")
     normals = D.D if isinstance(D, Distribution) else D
     if not callable(normals):
         raise ValueError(f"D must be a distribution such as GGX(0.3) or a function of normals, got {D!r}")
@@ -93,79 +119,232 @@ class _Rings:
 
     def boxes(self) -> np.ndarray:
         """The first boxes, rows (region, low, high, first, last): ends along the radius' coordinate, shares of the arc."""
-        last = self._coordinate(self.edge)
-        inner = [*(start for start in STARTS if start < last), last]
-        rows = [(0, *ends, first, first + 0.5) for ends in pairwise(inner) for first in (0.0, 0.5)]
+        last = self.edge / (1 + self.edge) if self.edge < np.inf else 1.0
+        starts = STARTS / (1 + STARTS)
+        rows = [(0, *ends, first, first + 0.5) for ends in pairwise([*starts[starts < last], last]) for first in (0.0, 0.5)]
         if self.edge < np.inf:
-            near = [start for start in self.edge / NEAR * APART if start < STARTS[1]]
-            outer = list(pairwise([0.0, *near, *STARTS[1:]]))
-            rows += [(region, *ends, 0.0, 1.0) for region in (1, 2, 3) for ends in outer]
+            near = self.edge * APART
+            lengths = np.concatenate([[0.0], near[near < STARTS[1]], STARTS[1:]])
+            outer = [*(lengths / (1 + lengths)), 1.0]
+            rows += [(region, *ends, 0.0, 1.0) for region in (1, 2, 3) for ends in pairwise(outer)]
         return np.array(rows)
 
+    def place(self, radius: np.ndarray, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Region, coordinate along the radius and share of the arc of visible slopes, by radius and azimuth from the view's."""
+        edge, turn = self._edge, turn % (2 * np.pi)
+        length = np.sqrt(np.maximum(radius * radius - edge * edge, 0))
+        begin = np.arctan2(length, edge)
+        region = np.select([radius <= self.edge, np.abs(turn - np.pi) < begin, turn < np.pi], [0, 3, 1], default=2)
+        start, arc = self._arcs(region, begin)
+        length = np.where(region == 0, radius, length)
+        share = (turn - start) / np.where(arc > 0, arc, 1.0)
+        return region, length / (self._unit(region) + length), share
+
+    def at(self, region: np.ndarray, along: np.ndarray, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Radius and azimuth from the view's."""
+        length, radius = self._lengths(region, np.clip(along, 0, 1 - INSIDE))
+        start, arc = self._arcs(region, np.arctan2(length, self._edge))
+        return radius, start + share * arc
+
+    def extents(self, boxes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Of each box the logarithm of its outer over its inner radius, and the angle in its middle."""
+        region, low, high, first, last = boxes.T
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = np.log(self._lengths(region, high)[1]) - np.log(self._lengths(region, low)[1])
+        length = self._lengths(region, (low + high) / 2)[0]
+        return ratio, self._arcs(region, np.arctan2(length, self._edge))[1] * (last - first)
+
+    @property
+    def _edge(self) -> float:
+        return self.edge if self.edge < np.inf else 1.0
+
+    def _unit(self, region: np.ndarray) -> np.ndarray:
+        return np.where(region == 0, 1.0, max(1.0, self._edge))
+
+    def _lengths(self, region: np.ndarray, along: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The length that the coordinate stands for, along rings' radius or along the edge, and the radius there."""
+        with np.errstate(divide="ignore"):
+            length = self._unit(region) * along / (1 - along)
+        return length, np.where(region == 0, length, np.hypot(self._edge, length))
+
     @staticmethod
-    def _coordinate(radius: float) -> float:
-        return radius / NEAR if radius <= NEAR else 2 - NEAR / radius
+    def _arcs(region: np.ndarray, begin: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Where the arc of a region starts, from the view's azimuth, and its length."""
+        start = np.select([region == 0, region == 1, region == 2], [0.0, begin, np.pi + begin], np.pi - begin)
+        return start, np.select([region == 0, region == 3], [2 * np.pi, 2 * begin], np.pi - 2 * begin)
 
     def __call__(self, region: np.ndarray, along: np.ndarray, share: np.ndarray) -> np.ndarray:
         """The integrand, over cos theta_o, with the stretch of its coordinates; shapes (n, 1, 1), (n, i, 1), (n, 1, j)."""
-        edge = self.edge if self.edge < np.inf else 1.0
-        unit = NEAR * np.where(region == 0, 1.0, max(1.0, edge / NEAR))
-        inverse = 1 / np.where(along > 1, 2 - along, 1.0)
-        length = unit * np.where(along > 1, inverse, along)
-        stretch = unit * inverse * inverse * length * self.scale.prod()
-        radius = np.where(region == 0, length, np.hypot(edge, length))
-        begin = np.arctan2(length, edge)
-        arc = np.select([region == 0, region == 3], [2 * np.pi, 2 * begin], np.pi - 2 * begin)
-        start = np.select([region == 0, region == 1, region == 2], [0.0, begin, np.pi + begin], np.pi - begin)
+        along, share = np.minimum(along, 1 - INSIDE), np.clip(share, INSIDE, 1 - INSIDE)
+        length, radius = self._lengths(region, along)
+        stretch = self._unit(region) / (1 - along) ** 2 * length * self.scale.prod()
+        start, arc = self._arcs(region, np.arctan2(length, self._edge))
         turn = (self.azimuth + start) + share * arc
         x, y = (self.scale[0] * radius) * np.cos(turn), (self.scale[1] * radius) * np.sin(turn)
-        m = np.empty((*x.shape, 3))
-        z = np.divide(1, np.sqrt(1 + x * x + y * y), out=m[..., 2])
-        np.multiply(x, -z, out=m[..., 0])
-        np.multiply(y, -z, out=m[..., 1])
-        flat = m.reshape(-1, 3)
-        density = np.asarray(self.normals(flat) if self.G1 is None else self.normals(flat) * self.G1(flat))
-        if not np.isfinite(density).all():
-            raise ValueError(f"D and G1 must be finite at all normals, got {density[~np.isfinite(density)][0]}")
+        m, z = _normals(x, y)
+        density = self.normals(m) if self.G1 is None else self.normals(m) * self.G1(m)
         facing = np.maximum(1 - (x * (self.view[0] / self.view[2]) + y * (self.view[1] / self.view[2])), 0)
-        return np.asarray(facing * density.reshape(x.shape) * (z * z) ** 2 * (stretch * arc))
+        return np.asarray(facing * _finite(density).reshape(x.shape) * (z * z) ** 2 * (stretch * arc))
+
+
+def _finite(values: Any) -> np.ndarray:
+    values = np.asarray(values)
+    if not np.isfinite(values).all():
+        raise ValueError(f"D and G1 must be finite at all normals, got {values[~np.isfinite(values)][0]}")
+    return values
+
+
+def _normals(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Normals (n, 3) of slopes, and their z in the shape of these."""
+    m = np.empty((*x.shape, 3))
+    z = np.divide(1, np.sqrt(1 + x * x + y * y), out=m[..., 2])
+    np.multiply(x, -z, out=m[..., 0])
+    np.multiply(y, -z, out=m[..., 1])
+    return m.reshape(-1, 3), z
+
+
+# --- a look at all sizes ------------------------------------------------------------------------------------------------
+
+
+def _looked(integrand: _Rings, closer: int = 1) -> np.ndarray:
+    """First boxes, no wider than some steps of a look where the function is uneven from step to step."""
+    steps = np.log(10) / (closer * PER_DECADE), 2 * np.pi / (closer * TURN)
+    radius = 10.0 ** np.arange(*LOOK, 1 / (closer * PER_DECADE))
+    turn = (np.arange(closer * TURN) + 0.5) * steps[1]
+    x, y = (
+        scale * np.outer(radius, f(turn + integrand.azimuth))
+        for scale, f in zip(integrand.scale, (np.cos, np.sin), strict=True)
+    )
+    m, z = _normals(x, y)
+    facets = _finite(integrand.normals(m)).reshape(x.shape) * (z * z) ** 2 * (radius * radius)[:, None]
+    area = float(facets.sum()) * steps[0] * steps[1] * float(integrand.scale.prod())
+    if closer == 1 and not abs(area - 1) < MISSING:
+        return _looked(integrand, CLOSER)
+    facing = 1 - np.outer(radius, np.cos(turn)) / integrand.edge
+    uneven = _uneven(facets, np.ones(x.shape))
+    if integrand.G1 is not None:
+        parts = np.select([facing <= 0, facing <= 2], [0, 1], 2)  # hidden; turned to the view; and where V-cavities mask
+        seen = facets * np.maximum(facing, 0)
+        seen[parts > 0] *= _finite(integrand.G1(m[parts.ravel() > 0]))
+        uneven = [one | other for one, other in zip(uneven, _uneven(seen, parts), strict=True)]
+    boxes = integrand.boxes()
+    for side, here in enumerate(uneven):
+        ring, ray = np.nonzero(here & (facing > 0))
+        boxes = _small(integrand, boxes, side, CELLS * steps[side], integrand.place(radius[ring], turn[ray]))
+    return boxes
+
+
+def _uneven(values: np.ndarray, parts: np.ndarray) -> list[np.ndarray]:
+    """Where values on rings and rays change unevenly from one to the next in the same part, along rays and along rings.
+
+    And beside that. What is in part 0 does not count.
+    """
+    least = FACETS * np.abs(values).sum()
+    found = []
+    for axis in (0, 1):
+        (before, part), (after, other) = (tuple(np.roll(array, step, axis) for array in (values, parts)) for step in (1, -1))
+        largest = np.maximum(np.maximum(np.abs(before), np.abs(after)), np.abs(values))
+        there = (np.abs(before + after - 2 * values) > UNEVEN * largest) & (largest > least)
+        there &= (parts > 0) & (part == parts) & (other == parts)
+        if axis == 0:
+            there[[0, -1]] = False
+        for side in (0, 1):
+            for step in AROUND:
+                there = there | np.roll(there, step, side) | np.roll(there, -step, side)
+        found.append(there)
+    return found
+
+
+def _small(integrand: _Rings, boxes: np.ndarray, side: int, most: float, points: tuple[np.ndarray, ...]) -> np.ndarray:
+    """Boxes that hold one of the points and extend over more along one side, halved until none does."""
+    region, along, share = points
+    while True:
+        wide = np.flatnonzero(integrand.extents(boxes)[side] > most)
+        of, low, high, first, last = boxes[wide].T[:, :, None]
+        inside = (of == region) & (low <= along) & (along <= high) & (first <= share) & (share <= last)
+        wide = wide[inside.any(axis=1)]
+        if not len(wide):
+            return boxes
+        boxes = np.concatenate([np.delete(boxes, wide, axis=0), halves(boxes[wide], np.full(len(wide), side == 1))])
+
+
+# --- sums over boxes ----------------------------------------------------------------------------------------------------
+
+
+@cache
+def _rule() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Gauss-Lobatto nodes on (0, 1), their weights, what gives the last coefficients in orthonormal Legendre polynomials."""
+    inner = legendre.Legendre.basis(NODES - 1).deriv().roots()
+    nodes = np.concatenate([[-1.0], np.sort(inner.real), [1.0]])
+    expansion = np.linalg.inv(legendre.legvander(nodes, NODES - 1))
+    last = np.arange(NODES - 3 * GROUP, NODES)
+    return (1 + nodes) / 2, expansion[0], expansion[last] / np.sqrt(2 * last + 1)[:, None]
+
+
+def _falling(values: np.ndarray) -> np.ndarray:
+    """How far the mean of the polynomials through values (n, NODES, j) may be off, from how their coefficients fall: (n, j).
+
+    A jump or a bend anywhere between the outermost nodes leaves coefficients that do not fall, of more than the error. Only
+    where two groups of coefficients in turn are far below the one before, as of a smooth function, is the error far smaller.
+    """
+    coefficients = _rule()[2] @ values
+    one, two, three = np.sqrt(np.square(coefficients).reshape(len(values), 3, GROUP, -1).sum(axis=2)).swapaxes(0, 1)
+    tiny = np.finfo(float).tiny
+    ratio = FALL[0] * np.maximum(three / np.maximum(two, tiny), two / np.maximum(one, tiny))
+    return np.asarray(SURE * np.maximum(two, three) * np.minimum(1, ratio) ** FALL[1])
 
 
 def _integrate(integrand: _Rings, boxes: np.ndarray) -> np.ndarray:
     """Of each box its integral and the errors of it along the radius and along the arc: (n, 3)."""
-    nodes, weights, functionals = rule()
+    nodes, weights, _ = _rule()
     region, low, high, first, last = boxes.T[:, :, None, None]
     values = integrand(region, low + (high - low) * nodes[:, None], first + (last - first) * nodes)
-    sums = np.stack(
-        [
-            (values @ weights) @ weights,
-            falling(functionals.T @ values) @ weights,
-            falling(functionals.T @ values.swapaxes(1, 2)) @ weights,
-        ],
-        axis=1,
-    )
-    return np.asarray(sums * ((high - low) * (last - first))[:, :, 0])
+    sums = [(values @ weights) @ weights, _falling(values) @ weights, _falling(values.swapaxes(1, 2)) @ weights]
+    return np.asarray(np.stack(sums, axis=1) * ((high - low) * (last - first))[:, :, 0])
+
+
+def _beside(integrand: _Rings, boxes: np.ndarray, errors: np.ndarray) -> np.ndarray:
+    """What each box may be off by because of a jump beside it, a corner of which may lie between its nodes."""
+    ratio, angle = integrand.extents(boxes)
+    size = np.minimum(ratio, WHOLE) * angle
+    density = errors / size
+    chosen = BESIDE * density * size.max() > WORTH * errors.max()
+    region, low, high, first, last = boxes[chosen].T
+    middle, centre = (low + high) / 2, (first + last) / 2
+    aside, around = OUTSIDE * (high - low), OUTSIDE * (last - first)
+    points = [integrand.at(region, middle + u * aside, centre + v * around) for u, v in ((1, 0), (-1, 0), (0, 1), (0, -1))]
+    of, along, share = np.concatenate([integrand.place(*point) for point in points], axis=1)
+    there = np.tile(density[chosen], len(points))
+    reached = np.zeros(len(boxes))
+    for k, (region, low, high, first, last) in enumerate(boxes):
+        inside = (of == region) & (low <= along) & (along <= high) & (first <= share) & (share <= last)
+        reached[k] = np.max(there, initial=0.0, where=inside)
+    return BESIDE * reached * size
 
 
 def _refined(integrand: _Rings, tolerance: float, most: int) -> Area:
     """Halve boxes until the errors of all add up to the tolerance."""
-    boxes = integrand.boxes()
-    sums = _integrate(integrand, boxes)
+    boxes = _looked(integrand)
+    sums, beside, known = _integrate(integrand, boxes), np.zeros(len(boxes)), 0
     each = NODES**2
     used = len(boxes) * each
     for _ in range(ROUNDS):
-        errors = np.abs(sums[:, 1:]).sum(axis=1)
+        errors = sums[:, 1:].sum(axis=1)
         goal = tolerance * abs(sums[:, 0].sum())
+        left = (most - used) // (2 * each)
+        if errors.sum() <= goal or left <= 0 or len(boxes) > GROWN * known:
+            beside, known = _beside(integrand, boxes, errors), len(boxes)
+        errors = errors + beside
         order = np.argsort(-errors)
         remaining = np.cumsum(errors[order][::-1])[::-1]  # of this box and all of smaller errors
-        wanted = min(int(np.sum((remaining > goal / 2) & (errors[order] > WORTH * errors.max()))), (most - used) // (2 * each))
+        wanted = min(int(np.sum((remaining > goal / 2) & (errors[order] > WORTH * errors.max()))), left)
         if errors.sum() <= goal or wanted <= 0:
             break
-        halved = order[:wanted]
-        children = halves(boxes[halved], np.abs(sums[halved, 1]) < np.abs(sums[halved, 2]))
-        kept = order[wanted:]
+        halved, kept = order[:wanted], order[wanted:]
+        children = halves(boxes[halved], sums[halved, 1] < sums[halved, 2])
         boxes = np.concatenate([boxes[kept], children])
         sums = np.concatenate([sums[kept], _integrate(integrand, children)])
+        beside = np.concatenate([beside[kept], np.zeros(len(children))])
         used += len(children) * each
-    value = float(sums[:, 0].sum())
-    return Area(value, float(np.abs(sums[:, 1:]).sum() + ROUNDING * abs(value)), used)
+    value, size = float(sums[:, 0].sum()), float(np.abs(sums[:, 0]).sum())
+    return Area(value, float(errors.sum() + ROUNDING * size), used)

@@ -248,8 +248,8 @@ def digits_to_trust() -> dict[str, list[float]]:
 INDICES = np.logspace(-3, 3, 25)
 COSINES = np.append(np.logspace(-8, -0.1, 14), 1.0)
 EXPONENTS = np.minimum(2 / ALPHA[::FEWER] ** 2, 1e16)
-MATT = np.logspace(-8, 1, 7)  # roughnesses, and
-MATT_TANGENT = np.logspace(-8, 2, 6)  # tangents of the lights
+MATT = np.logspace(-8, 3, 8)  # roughnesses, and
+MATT_TANGENT = np.logspace(-8, 8, 9)  # tangents of the lights
 CORE = 30  # digits of an integral by quadrature
 
 
