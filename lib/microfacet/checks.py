@@ -236,16 +236,18 @@ def numeric(equation: Equation) -> Mark:
     disagreement = forms_disagree(equation)
     if disagreement:
         return Mark("fail", disagreement)
-    worst = {real.__name__: worst_error(equation, real) for real in (np.float64, np.float32)}
-    measured = {name: {"ulps": error, "at": where} for name, (error, where) in worst.items()}
+    measured: dict[str, Any] = {}
+    for real, promise in zip((np.float64, np.float32), equation.within, strict=True):
+        error, where = worst_error(equation, real)
+        measured[real.__name__] = {"ulps": error, "at": where, "promised": promise}
     broken = [
-        f"{name} kernel off by {error:.3g} ulps (promised {promise:g}) at {where}"
-        for (name, (error, where)), promise in zip(worst.items(), equation.within, strict=True)
-        if not error <= promise
+        f"{name} kernel off by {found['ulps']:.3g} ulps (promised {found['promised']:g}) at {found['at']}"
+        for name, found in measured.items()
+        if not found["ulps"] <= found["promised"]
     ]
     if broken:
         return Mark("fail", "; ".join(broken), measured)
-    return Mark("pass", ", ".join(f"{name} {error:.2g} ulps" for name, (error, _) in worst.items()), measured)
+    return Mark("pass", ", ".join(f"{name} {found['ulps']:.2g} ulps" for name, found in measured.items()), measured)
 
 
 def worst_error(equation: Equation, real: type) -> tuple[float, str]:

@@ -2,7 +2,7 @@
 
 A number (one more or one less, doubled or halved), True and False, a comparison (its opposite, or with its bound), an
 operator of arithmetic, a sign, `and` and `or`, a condition, a statement or a named argument left out, a value returned.
-Docstrings, types, strings, what is said when something is refused, and assertions are no places.
+Docstrings, types, strings, slides that are cited, what is said when something is refused, and assertions are no places.
 """
 
 from __future__ import annotations
@@ -22,7 +22,8 @@ ARITHMETIC = {
     ast.Add: ("+", "-"), ast.Sub: ("-", "+"), ast.Mult: ("*", "/"), ast.Div: ("/", "*"), ast.Pow: ("**", "*"),
     ast.FloorDiv: ("//", "*"), ast.Mod: ("%", "*"), ast.BitAnd: ("&", "|"), ast.BitOr: ("|", "&"), ast.MatMult: ("@", "*"),
 }  # fmt: skip
-ASSERTED = {"strict", "check", "positive", "real", "nonnegative", "integer", "dtype", "digits"}  # or say how many are kept
+ASSERTED = {"strict", "check", "positive", "real", "nonnegative", "integer", "dtype"}
+SAID = {"digits", "slides"}  # how many are kept, and what is cited
 WORDS = {"print", "warn", "debug", "info", "set_title", "set_xlabel", "set_ylabel"}  # calls that only say something
 
 
@@ -180,7 +181,7 @@ class _Finder(ast.NodeVisitor):
         for argument in () if getattr(node.func, "attr", "") == "reshape" else node.args:  # any number below 0 is "the rest"
             self.visit(argument)
         for keyword in node.keywords:
-            if keyword.arg not in ASSERTED:
+            if keyword.arg not in ASSERTED | SAID:
                 self.left_out(node, keyword)
                 self.visit(keyword.value)
 
