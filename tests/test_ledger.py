@@ -59,16 +59,6 @@ def test_statement_is_complete(key: str) -> None:
     assert 0 < int(line) <= len(path.read_text().splitlines())
 
 
-@EVERY
-def test_domain_and_promise_are_those_on_record(key: str) -> None:
-    """To promise less, people have to ask for it: `make record`."""
-    equation, record = mf.equations[key], json.loads((ROOT / "records" / "ledger.json").read_text("utf-8"))[key]
-    assert checks._domain(equation) == record["over"]
-    if key in COMPUTED:
-        promised = [record["numeric"][f"promised {precision}"] for precision in ("float64", "float32")]
-        assert list(equation.within) == promised
-
-
 def points(equation: Equation, count: int) -> list[list[float]]:
     """Arguments inside the domain: by magnitude, or crowding in the middle where there is none; directions anywhere."""
     random = np.random.default_rng(len(equation.key))
