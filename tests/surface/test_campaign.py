@@ -75,5 +75,5 @@ def test_results_are_looked_for_where_the_build_leaves_them(monkeypatch: pytest.
     monkeypatch.setenv("MICROFACET_CAMPAIGN", str(tmp_path))
     np.savez(tmp_path / "gabor_07.npz", seen=np.arange(3.0))
     np.testing.assert_array_equal(campaign.read("gabor_07")["seen"], [0, 1, 2])
-    with pytest.raises(ValueError, match="name must be one of lobes_04, .*, got 'gabor_7'"):
+    with pytest.raises(ValueError, match=r"name must be one of lobes_04, .*, got 'gabor_7'"):
         campaign.read("gabor_7")
