@@ -317,7 +317,7 @@ def _angle(share: np.ndarray, kind: str) -> np.ndarray:
     """Polar angles: dense near 0 and near the horizon, where formulae break."""
     near = np.exp(np.log(1e-9) * (1 - share)) * math.pi / 4
     far = math.pi / 2 - np.exp(np.log(GRAZING) * share)
-    theta = np.where(np.arange(len(share)) % 2 == 0, near, np.clip(far, 0, math.pi / 2 - GRAZING))
+    theta = np.where(np.arange(len(share)) % 2 == 0, near, far)
     return np.where(np.arange(len(share)) % 3 == 0, math.pi - theta, theta) if kind == "sphere" else theta
 
 

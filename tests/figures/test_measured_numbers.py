@@ -1,4 +1,4 @@
-"""Every number of the measured figures once more: from the arrays of the campaign with numpy alone, models from their formulas."""
+"""Every number of the measured figures once more: from the campaign's arrays with numpy alone, models from their formulas."""
 
 from __future__ import annotations
 
