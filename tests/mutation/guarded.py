@@ -175,7 +175,7 @@ def digest(root: Path, one: Watched) -> str:
     """Of all that decides what a test file calls: itself, what tests share, and the files of which it calls a function."""
     tests = set(test_files(root))
     shared = [str(path.relative_to(root)) for path in root.glob("tests/**/*.py") if "mutation" not in path.parts]
-    called = [file for file, functions in one.touched.items() if set(functions) - {""}]
+    called = [file for file, names in one.touched.items() if any(name and not name.endswith(".") for name in names)]
     found = hashlib.sha256()
     for file in sorted({one.file, *called, *(file for file in shared if file not in tests)}):
         found.update(file.encode() + b"\0" + ((root / file).read_bytes() if (root / file).exists() else b""))
@@ -235,7 +235,8 @@ def chosen(place: Place, known: Iterable[Watched], suite: str) -> list[Watched]:
     function of the file, if only to import it.
     """
     asked = [one for one in known if one.suite == suite]
-    calls = [one for one in asked if _starts(one, place) or place.function in one.touched.get(place.file, ())]
+    names = {place.function, f"{place.function}."}
+    calls = [one for one in asked if _starts(one, place) or names & set(one.touched.get(place.file, ()))]
     others = [one for one in asked if set(one.touched.get(place.file, ())) - {""}]
     able = calls or others or [one for one in asked if place.file in one.touched]
     return sorted(able, key=lambda one: (not _mirrors(one.file, place.file), one.seconds))
