@@ -60,3 +60,14 @@ def test_halving_ends_where_no_evaluations_are_left(monkeypatch: pytest.MonkeyPa
     summed = Scripted(0.0, (2.0, 0.0))
     panels._refined(summed, ONE, 1e-12)
     assert 18 * panels.NODES**2 < summed.evaluations <= 20 * panels.NODES**2
+
+
+def test_an_error_is_as_large_as_the_last_coefficients_or_falls_with_their_cube() -> None:
+    """As a kink has it, where they are like those before them; as a smooth function has it, where they are far below."""
+    random = np.random.default_rng(1)
+    shape = random.random((1, 4, 1))
+    found = [panels.falling(np.concatenate([shape, last * shape], axis=1))[0, 0] for last in (1.0, 0.5, 1e-2, 1e-3)]
+    size = np.sqrt((shape**2).sum())
+    np.testing.assert_allclose(found[:2], [size, 0.5 * size])
+    assert found[2] / found[3] == pytest.approx(1e3)
+    assert found[2] < 1e-2 * 1e-2 * size
