@@ -6,7 +6,9 @@
 places.py says where a mistake can be made and which. A sample of these places is drawn over lib/, the scripts of figures' data
 and workflow/. Each mutant lives in a copy of the checkout, and meets the test files that call the function it is in (watch.py
 writes down which, in a first run without mistakes), the file that mirrors it first, until a test fails. Quick tests come first;
-slow ones see only what these let through. A run that does not end in time counts as killed.
+slow ones see only what these let through. A run that does not end in time counts as killed. What the first run wrote down, and
+the kernels that it compiled, are kept in build/mutants: the next one runs only those test files again that changed, or of which
+a function that they call is in a file that changed.
 
 What changes nothing stands in equivalents.toml, with the reason; fewer than 95 % of the others killed is a failure.
 
