@@ -117,3 +117,13 @@ def test_an_integral_over_a_jump_is_enclosed():
     with balls.precision(64):
         value = balls.evaluator(sp.Integral(chi(x - sp.Rational(1, 3)), (x, 0, 1)), [])()
         assert value.contains(balls.ball(sp.Rational(2, 3)))
+
+
+@pytest.mark.parametrize("zero", [0.2, 0.45, 0.55, 0.8])
+def test_a_zero_anywhere_in_a_box_is_not_overlooked(zero):
+    """Whichever half it lies in, nothing is proved of the sign."""
+    found = balls.over(lambda **at: at["x"] - zero, x=(0.0, 1.0))
+    assert found.residual.contains(0)
+    assert not any(found.supports(relation) for relation in ("<", ">", r"\le", r"\ge", r"\ne"))
+    assert balls.over(lambda **at: at["x"] - zero, x=(zero + 0.01, 1.0)).supports(">")
+    assert balls.over(lambda **at: at["x"] - zero, x=(0.0, zero - 0.01)).supports("<")

@@ -140,6 +140,87 @@ def test_sampled_arguments_keep_to_the_domain_and_reach_its_ends(real):
             assert high - 1e-6 * abs(high) <= column.max() <= high
 
 
+@pytest.mark.parametrize("kind", ["hemisphere", "sphere"])
+def test_sampled_directions_crowd_at_the_pole_and_at_the_horizon(kind):
+    """A kernel breaks there first. Of the whole sphere a third lies below; of a hemisphere nothing does."""
+    theta = checks._angle(np.random.default_rng(1).random(3000), kind)
+    below = theta > math.pi / 2
+    assert np.mean(below) == pytest.approx(1 / 3 if kind == "sphere" else 0, abs=1e-3)
+    tilt = np.minimum(theta, math.pi - theta)
+    near, far = tilt[tilt < math.pi / 4 + 1e-12], math.pi / 2 - tilt[tilt > math.pi / 4]
+    assert min(len(near), len(far)) > 1000
+    assert 1e-9 * math.pi / 4 <= near.min() < 2e-9
+    assert checks.GRAZING * (1 - 1e-8) <= far.min() < 1.5 * checks.GRAZING
+    assert math.degrees(checks.GRAZING) == pytest.approx(1e-6)
+    for distance, decades in ((near, 9), (far, -math.log10(checks.GRAZING))):  # as many in one decade as in another
+        steep = np.log10(distance)
+        share = [np.mean((steep > -d - 1) & (steep <= -d)) for d in range(1, 7)]
+        np.testing.assert_allclose(share, 1 / decades, atol=0.04)
+
+
+def test_shares_of_an_interval_are_taken_by_magnitude_if_it_spans_more_than_two_decades():
+    half = np.array([0.0, 0.5, 1.0])
+    np.testing.assert_allclose(checks._interval((0.01, 100), half), [0.01, 1, 100], rtol=1e-14)
+    for low, high in ((-1, 3), (0, 1e6), (1, 99)):
+        np.testing.assert_allclose(checks._interval((low, high), half), [low, (low + high) / 2, high], rtol=1e-14)
+
+
+@pytest.mark.parametrize("real", [np.float64, np.float32])
+def test_what_rounding_takes_over_an_end_steps_back(real):
+    ends = (0.1, 0.3)
+    values = checks._clip(np.array([0.1, 0.2, 0.3], real), ends, real)
+    assert (values >= 0.1).all()
+    assert (values <= 0.3).all()
+    np.testing.assert_allclose(values, [0.1, 0.2, 0.3], rtol=3 * np.finfo(real).eps)
+
+
+def test_forms_that_are_not_one_number_are_told_apart_from_those_that_are(broken):
+    key = "visibility.ggx.Lambda"
+    assert checks.forms_disagree(STATED[key]) == ""
+    said = checks.forms_disagree(broken(key, equals=STATED[key].equals * (1 + sp.Rational(1, 10**28))))
+    assert said.startswith("equals differs from computed_as by ")
+    assert checks.forms_disagree(broken(key, equals=STATED[key].equals * (1 + sp.Rational(1, 10**32)))) == ""
+    assert checks.forms_disagree(broken(key, equals=STATED[key].equals * 2, relation="<")) == ""
+
+
+def test_printed_symbols_are_tried_well_inside_their_domains():
+    equation = STATED["geometry.ggx.D"]
+    (w,) = [argument for argument in equation.over if not isinstance(argument, sp.Symbol)]
+    symbols = [w.theta, w.phi, *w.components, x]
+    more = checks._printed_points(equation, symbols)
+    points = np.array([list(map(float, next(more))) for _ in range(400)])
+    for column, (low, high) in zip(points.T, [(0.01, 1.56), (0, 6.28), *3 * [(0.05, 0.95)], (0.05, 1.5)], strict=True):
+        assert low <= column.min() < low + 0.05 * (high - low)
+        assert high - 0.05 * (high - low) < column.max() <= high
+
+
+def test_what_a_precision_holds():
+    assert checks.representable(mpmath.mpf(0), np.float32)
+    for real, tiny, greatest in ((np.float64, -1022, 1024), (np.float32, -126, 128)):
+        assert checks.representable(mpmath.mpf(2) ** tiny, real)
+        assert not checks.representable(mpmath.mpf(2) ** tiny * 0.99, real)
+        assert checks.representable(-(mpmath.mpf(2) ** (greatest - 1)), real)
+        assert not checks.representable(mpmath.mpf(2) ** greatest, real)
+
+
+def test_figures_of_enclosures_are_the_widest_and_the_ends_of_all():
+    balls = pytest.importorskip("microfacet.balls")
+    if not balls.available():
+        pytest.skip("python-flint is not installed")
+    from flint import arb
+
+    def one(middle, radius, where):
+        return balls.Enclosure(where, arb(middle, radius))
+
+    away = [one(0.5, 0.125, "a"), one(-2.0, 0.25, "b"), one(1.5, 0.0625, "c")]
+    figures = checks._enclosed_figures(away)
+    assert (figures["at"], figures["count"]) == ("b", 3)
+    assert figures["radius"] == pytest.approx(0.25, rel=1e-6)
+    assert figures["low"] == pytest.approx(-2.25, rel=1e-6)
+    assert figures["high"] == pytest.approx(1.5625, rel=1e-6)
+    assert "low" not in checks._enclosed_figures([*away, one(0.0, 1e-30, "d")])
+
+
 def test_record_says_what_failed_and_where():
     record = checks.Record("a.b", {"numeric": Mark("fail", "off by 9 ulps")}, "microfacet.a, line 3").as_json()
     assert record["verdict"] == "fail"

@@ -110,7 +110,9 @@ def enclosure_figures(measured: dict[str, Any]) -> dict[str, Any]:
 
 
 def kernel_figures(measured: dict[str, Any]) -> dict[str, Any]:
-    return {precision: round(found["ulps"], 2) for precision, found in measured.items()}
+    """In units of the last place: the largest error, and the one that is promised."""
+    errors = {precision: round(found["ulps"], 2) for precision, found in measured.items()}
+    return errors | {f"promised {precision}": float(found["promised"]) for precision, found in measured.items()}
 
 
 def trial_figures(measured: dict[str, Any]) -> dict[str, Any]:
@@ -154,6 +156,8 @@ def still(name: str, new: Any, old: Any) -> bool:
         return bool(new <= SLACK * old)
     if name in ("claims", "count", "digits"):
         return bool(new >= old)
+    if name.startswith("promised"):
+        return bool(new <= old)
     return bool(new <= SLACK * old + 0.5)
 
 

@@ -12,7 +12,7 @@ def compute() -> dict:
     bounds = np.radians([-60, -36, -12, 12, 36, 60])
     bins = surface.bins(bounds)
     earlier = np.tril(bins[:, None] == bins, -1)
-    share = np.bincount(bins, surface.lengths, minlength=5)
+    share = np.bincount(bins, surface.lengths)
     return {
         "x": surface.x,
         "z": surface.z,

@@ -17,15 +17,16 @@ DEGREES = 60.0
 BINS = (3, 2)
 FAMILY = GaussianField(256, CAMPAIGN["lobes_07"].family.alpha_x, root=59)
 PATCH = 96  # cells, along either side
-RAYS = ((20, 6), (60, 16), (34, 34), (78, 44), (22, 62), (52, 72))  # where each is aimed at, in cells
+RAYS = ((20, 6), (60, 16), (34, 34), (78, 44), (22, 62), (52, 72))  # at which cell each is aimed: the middle of its first facet
 FAR, BOUNCES = 22.0, 6
 
 
-def path(surface: HeightField, aim: tuple[float, float]) -> np.ndarray:
+def path(surface: HeightField, cell: tuple[int, int]) -> np.ndarray:
     """The corners of a ray's way (BOUNCES + 2, 3), from FAR before its first hit to FAR behind its last; then nan."""
     way = spherical(np.radians(DEGREES))  # the viewer is on the left
     way = np.array([way[0], 0.0, -way[2]])
-    _, height = surface.locate(*np.array(aim, float))
+    aim = np.add(cell, (2 / 3, 1 / 3))
+    _, height = surface.locate(*aim)
     place = np.array([*aim, float(height)]) - way * (surface.highest - float(height)) / -way[2] * 1.001
     corners, facet = np.full((BOUNCES + 2, 3), np.nan), None
     for k in range(BOUNCES + 1):

@@ -9,11 +9,12 @@ from functools import cache
 from typing import Any
 
 import microfacet as mf
+import mpmath
 import numpy as np
 import pytest
 from microfacet.brdf.random_walk import LONGEST, STRIDE, Bounces
 from microfacet.directions import spherical
-from microfacet.geometry.facets import TRIES, gaussian_excess, gaussian_seen
+from microfacet.geometry.facets import TRIES, gaussian_excess, gaussian_seen, ggx_facet
 from microfacet.kernels import Batch
 from microfacet.material.fresnel import Fresnel
 from microfacet.streams import GOLDEN, WORD, _mixed, drawn, stream
@@ -438,3 +439,22 @@ def test_the_walks_need_their_longest() -> None:
     """No walk of these comes near the number of bounces after which it would be given up."""
     _, _, bounces = WALKS[0].sample(UP, uniform(1 << 16, 4))
     assert 5 < bounces.max() < LONGEST / 10
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("sine", [1e-3, 1e-5, 0.6])
+@pytest.mark.parametrize("u2", [1e-12, 0.3, 1 - 2.0**-40])
+def test_a_facet_of_ggx_keeps_its_digits_next_to_both_poles(side: float, sine: float, u2: float) -> None:
+    """Mirror directions fill the cap c > -z evenly in height, dupuy2023: once more to 50 digits, without rearranging."""
+    u1, alpha = 0.2, (0.7, 0.4)
+    v = np.array([0.8 * sine, 0.6 * sine, side * np.sqrt(1 - sine * sine)])
+    with mpmath.workdps(50):
+        x, y, z = (mpmath.mpf(float(c)) * a for c, a in zip(v, (*map(mpmath.mpf, alpha), 1), strict=True))
+        length = mpmath.sqrt(x * x + y * y + z * z)
+        x, y, z = x / length, y / length, z / length
+        height = (1 - mpmath.mpf(u2)) * (1 + z) - z
+        radius = mpmath.sqrt(1 - height**2)
+        turn = 2 * mpmath.pi * mpmath.mpf(u1)
+        m = [alpha[0] * (radius * mpmath.cos(turn) + x), alpha[1] * (radius * mpmath.sin(turn) + y), height + z]
+        exact = [float(c / mpmath.sqrt(sum(d * d for d in m))) for c in m]
+    np.testing.assert_allclose(ggx_facet(*v, u1, u2, 0, 0, alpha), exact, rtol=1e-12)

@@ -372,6 +372,9 @@ def test_how_far_walks_are_from_surfaces_is_told_at_the_largest_roughness(monkey
     assert walk_error(Comparison(replace(scene, normals="beckmann")), "lobe") is None
     walk_error(Comparison(Scene(0.3, bounces="one")), "albedo")
     assert asked[-1][1] == Candidate("beckmann", "height", "mirror", False, "none", False)
+    for ratio in (1.01, 2.0):  # of two roughnesses if they differ at all
+        walk_error(Comparison(Scene(0.3, ratio=ratio, bounces="one")), "albedo")
+        assert asked[-1][1].anisotropic
 
 
 # --- samplers -------------------------------------------------------------------------------------------------------------
@@ -550,7 +553,7 @@ def test_a_ladder_has_every_sensible_form_once() -> None:
     assert count(precision="double") == 5 + 2 + 1
     assert count() == 2 * (5 + 2) + 1
     assert count(precision="double", fresnel=METAL) == 2 * (5 + 2) + 1
-    assert count(precision="double", ratio=2) == 2 * (5 + 2 + 1)
+    assert count(precision="double", ratio=2) == count(precision="double", ratio=1.01) == 2 * (5 + 2 + 1)
     assert count(precision="double", normals="beckmann") == 2 * (5 + 2 + 1)
     assert not any(one.single for one in ladder(Scene(0.3, precision="double")))
 

@@ -125,6 +125,7 @@ def test_a_mean_roughness_is_off_by_the_quotient_of_both_maskings(compute: Compu
     np.testing.assert_allclose(data["mean"], off, rtol=1e-4, atol=2e-9)
     assert [data[f"{name}_verdict"] for name in ("smith", "v_cavity", "mean")] == ["holds", "holds", "fails"]
     assert data["floor"] == 1e-10
+    assert data["smith"].max() == data["v_cavity"].max() == data["floor"] < 1e-9  # what holds is drawn at the floor
     assert data["tried"] == 5 * 5 * 2 * 2
     assert data["views"] == 4 * 4
     assert data["theta"][[0, -1]].tolist() == [0, 88]

@@ -123,3 +123,50 @@ def test_rays_of_the_drawing_end_above_the_surface(compute: Compute) -> None:
         assert corners[-1, 2] > corners[-2, 2]
         first = (corners[1] - corners[0]) / np.linalg.norm(corners[1] - corners[0])
         np.testing.assert_allclose(-first, spherical(np.radians(60), np.pi), atol=1e-4)
+
+
+def facet_below(heights: np.ndarray, x: float, y: float) -> tuple[float, np.ndarray]:
+    """Height and unit normal of the surface there: each cell is cut along the diagonal from its first node to its last."""
+    i, j = int(x), int(y)
+    corner, last = heights[i, j], heights[i + 1, j + 1]
+    between = heights[i + 1, j] if x - i >= y - j else heights[i, j + 1]
+    along, across = (between - corner, last - between) if x - i >= y - j else (last - between, between - corner)
+    normal = np.array([-along, -across, 1.0])
+    return corner + along * (x - i) + across * (y - j), normal / np.linalg.norm(normal)
+
+
+def test_rays_of_the_drawing_are_mirrored_where_they_meet_the_surface(compute: Compute) -> None:
+    data = compute("validation/gaussian_surface")
+    heights, lengths, bounces = data["heights"], [], []
+    assert heights.shape == (97, 97)
+    for path in data["paths"]:
+        corners = path[~np.isnan(path[:, 0])]
+        ways = np.diff(corners, axis=0)
+        lengths += [np.linalg.norm(ways[0]), np.linalg.norm(ways[-1])]
+        ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+        bounces.append(len(corners) - 2)
+        for corner, before, after in zip(corners[1:-1], ways, ways[1:], strict=False):
+            height, normal = facet_below(heights, *corner[:2])
+            assert corner[2] == pytest.approx(height, abs=2e-3)
+            np.testing.assert_allclose(after, before - 2 * (before @ normal) * normal, atol=5e-3)
+            for share in (0.02, 0.3, 0.7):
+                on = corner + share * 20 * after
+                inside = (on[:2] > 0).all() and (on[:2] < 96).all() and len(corners) == 3
+                assert not inside or on[2] > facet_below(heights, *on[:2])[0]
+    np.testing.assert_allclose(lengths, lengths[0], rtol=1e-3)  # what is drawn before the first mirror and behind the last
+    assert max(bounces) > 1
+
+
+def test_lobes_beside_the_drawing_are_of_the_same_light(compute: Compute) -> None:
+    """Half a lobe each, over azimuths from the view's plane on: what is measured adds up to what is left after one mirror."""
+    data = compute("validation/gaussian_surface")
+    angles = np.outer(-np.diff(np.cos(data["theta"])), np.diff(data["phi"]))
+    np.testing.assert_allclose(data["theta"], np.radians(np.arange(0, 91, 6)), rtol=1e-4)
+    np.testing.assert_allclose(np.diff(data["phi"]), np.radians(15), rtol=1e-4)
+    measured = (data["measured"] * angles).sum()
+    smith = mf.Microfacet(mf.Smith(mf.Beckmann(0.7))).albedo(spherical(np.radians(60)))
+    assert (data["smith"] * angles).sum() == pytest.approx(smith, abs=2e-3)
+    assert measured == pytest.approx(read("lobes_07")["escaped"][:, THETA_O.index(60), 0].mean(), rel=1e-3)
+    assert data["alpha"] == 0.7
+    assert data["surfaces"] == 4
+    assert data["rays"] == pytest.approx(4 * 192**2, rel=1e-4)

@@ -64,6 +64,15 @@ def test_stretching_keeps_rays_and_shares(compute: Compute) -> None:
     np.testing.assert_allclose(np.tan(np.radians(data["degrees"])), data["stretch"] * np.tan(np.radians(55)))
 
 
+def test_a_drawing_that_was_written_is_closed(tmp_path: Path, compute: Compute) -> None:
+    script = MOVING[0]
+    made = runpy.run_path(str(script))["move"](compute(f"{script.parent.name}/{script.stem}"))
+    assert made.figure.number in plotting.plt.get_fignums()
+    motion.save(made, [str(tmp_path / "a.moving.svg")])
+    assert made.figure.number not in plotting.plt.get_fignums()
+    assert (tmp_path / "a.moving.svg").read_text("utf-8") == moved(script, compute)
+
+
 def test_a_rule_without_a_part_is_refused() -> None:
     figure, ax = plotting.plt.subplots()
     ax.plot([0, 1], [0, 1], gid="line")

@@ -291,3 +291,12 @@ def test_indices_within_their_limits_give_shares(real: type) -> None:
 def test_wrong_indices(make: type, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         make()
+
+
+@pytest.mark.parametrize("kappa", [0.0, 0.5])
+def test_where_total_reflection_begins_at_normal_incidence_nothing_is_divided_by_zero(kappa: float) -> None:
+    """1 + kappa^2 = eta^2: there the square is that of the cosine. In Python, where 0/0 is an error."""
+    eta = 1.0 if kappa == 0 else float(np.sqrt(1.25))
+    if kappa == 0:
+        assert fresnel.beyond_critical(0.375, eta, kappa) == 0.375**2
+    assert fresnel.beyond_critical(0.375, eta, kappa) == pytest.approx(0.375**2, rel=1e-15)

@@ -6,7 +6,9 @@
 places.py says where a mistake can be made and which. A sample of these places is drawn over lib/, the scripts of figures' data
 and workflow/. Each mutant lives in a copy of the checkout, and meets the test files that call the function it is in (watch.py
 writes down which, in a first run without mistakes), the file that mirrors it first, until a test fails. Quick tests come first;
-slow ones see only what these let through. A run that does not end in time counts as killed.
+slow ones see only what these let through. A run that does not end in time counts as killed. What the first run wrote down, and
+the kernels that it compiled, are kept in build/mutants: the next one runs only those test files again that changed, or of which
+a function that they call is in a file that changed.
 
 What changes nothing stands in equivalents.toml, with the reason; fewer than 95 % of the others killed is a failure.
 
@@ -34,7 +36,7 @@ import tomllib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 from queue import SimpleQueue
@@ -124,9 +126,9 @@ class Copy:
         path, cache = self.root / place.file, self.root / "build" / "cache"
         top = self.root / Path(place.file).parts[0]
         kept = self.root / "build" / "kept"
-        for folder, source in ((cache, self.kernels), (kept, top)):
+        for folder, source, copied in ((cache, self.kernels, shutil.copy2), (kept, top, os.link)):
             shutil.rmtree(folder, ignore_errors=True)
-            shutil.copytree(source, folder, copy_function=os.link)
+            shutil.copytree(source, folder, copy_function=copied)
         path.unlink()  # and not written over: `kept` has the same file
         path.write_text(text, "utf-8")
         try:
@@ -171,35 +173,44 @@ def watch(copy: Copy, file: str, suite: str) -> Watched:
     return Watched(file, suite, time.perf_counter() - start, found["touched"], found["failed"])
 
 
-def digests(root: Path) -> dict[str, str]:
-    """By test file, of all that decides what it calls: itself, what tests share, and everything that is tested."""
-    folders = [root / name for name in ("lib", "figures", "workflow", "chapters", "records", "tests")]
-    found = [path for folder in folders for path in sorted(folder.rglob("*.*")) if "__pycache__" not in path.parts]
-    tests, others = test_files(root), hashlib.sha256()
-    for path in found:
-        name = str(path.relative_to(root))
-        if path.is_file() and name not in tests and not name.startswith("tests/mutation/"):
-            others.update(name.encode() + b"\0" + path.read_bytes())
-    return {test: hashlib.sha256((root / test).read_bytes() + others.digest()).hexdigest()[:16] for test in tests}
+def digest(root: Path, one: Watched) -> str:
+    """Of all that decides what a test file calls: itself, what tests share, and the files of which it calls a function."""
+    tests = set(test_files(root))
+    shared = [str(path.relative_to(root)) for path in root.glob("tests/**/*.py") if "mutation" not in path.parts]
+    called = [file for file, names in one.touched.items() if any(name and not name.endswith(".") for name in names)]
+    found = hashlib.sha256()
+    for file in sorted({one.file, *called, *(file for file in shared if file not in tests)}):
+        found.update(file.encode() + b"\0" + ((root / file).read_bytes() if (root / file).exists() else b""))
+    return found.hexdigest()[:16]
 
 
 def record(root: Path, copies: Sequence[Copy], suites: Sequence[str], tests: Sequence[str]) -> list[Watched]:
-    """By file and suite, kept under build/ for as long as nothing changes that decides it."""
-    kept = root / "build" / "mutants" / "watched.json"
-    kept.parent.mkdir(parents=True, exist_ok=True)
-    now = digests(copies[0].root)
-    known = [Watched(**one) for one in json.loads(kept.read_text("utf-8"))] if kept.exists() else []
-    known = [one for one in known if now.get(one.file) == one.digest]
+    """By file and suite, a line each, kept under build/ for as long as nothing changes that decides it."""
+    kept, checkout = root / "build" / "mutants" / "watched.jsonl", copies[0].root
+    lines = kept.read_text("utf-8").splitlines() if kept.exists() else []
+    known = [one for line in lines if digest(checkout, one := Watched(**json.loads(line))) == one.digest]
+    kept.write_text("".join(map(_line, known)), "utf-8")
     have = {(one.file, one.suite) for one in known}
-    missing = [(file, suite) for suite in suites for file in tests if (file, suite) not in have]
+    jobs = [(file, suite) for suite in suites for file in tests if _has(checkout / file, suite)]
 
     def one(copy: Copy, job: tuple[str, str]) -> Watched:
         found = watch(copy, *job)
-        return replace(found, digest=now[found.file])
+        found.digest = digest(checkout, found)
+        with kept.open("a", encoding="utf-8") as file:
+            file.write(_line(found))
+        return found
 
-    known += shared_out(copies, missing, one)
-    kept.write_text(json.dumps([asdict(one) for one in known]), "utf-8")
+    known += shared_out(copies, [job for job in jobs if job not in have], one)
     return [one for one in known if one.file in tests]
+
+
+def _line(one: Watched) -> str:
+    return json.dumps(asdict(one)) + "\n"
+
+
+def _has(test: Path, suite: str) -> bool:
+    """Whether the file may have a test of this suite."""
+    return suite != "slow" or "mark.slow" in test.read_text("utf-8")
 
 
 def shared_out(copies: Sequence[Copy], jobs: Sequence[Any], work: Any) -> list[Any]:
@@ -226,7 +237,8 @@ def chosen(place: Place, known: Iterable[Watched], suite: str) -> list[Watched]:
     function of the file, if only to import it.
     """
     asked = [one for one in known if one.suite == suite]
-    calls = [one for one in asked if _starts(one, place) or place.function in one.touched.get(place.file, ())]
+    names = {place.function, f"{place.function}."}
+    calls = [one for one in asked if _starts(one, place) or names & set(one.touched.get(place.file, ()))]
     others = [one for one in asked if set(one.touched.get(place.file, ())) - {""}]
     able = calls or others or [one for one in asked if place.file in one.touched]
     return sorted(able, key=lambda one: (not _mirrors(one.file, place.file), one.seconds))
@@ -296,9 +308,9 @@ def run(
     why: dict[tuple[str, str, str], str] | None = None, patience: float = PATIENCE, tests: Sequence[str] = (),
 ) -> list[Outcome]:  # fmt: skip
     """Draw, judge and return; each outcome is printed as it comes."""
+    kernels = root / "build" / "mutants" / "kernels"  # named by what they are compiled of, so that another run can take them
+    kernels.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="mutants", ignore_cleanup_errors=True) as folder:
-        kernels = Path(folder) / "kernels"
-        kernels.mkdir()
         copies = [Copy(root, Path(folder) / f"copy{k}" / "checkout", kernels, patience) for k in range(workers)]
         known = record(root, copies, suites, tests or test_files(root))
         for test in sorted(test for one in known for test in one.failed):

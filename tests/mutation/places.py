@@ -2,7 +2,8 @@
 
 A number (one more or one less, doubled or halved), True and False, a comparison (its opposite, or with its bound), an
 operator of arithmetic, a sign, `and` and `or`, a condition, a statement or a named argument left out, a value returned.
-Docstrings, types, strings, what is said when something is refused, and assertions are no places.
+Docstrings, types, strings, slides that are cited, what is said when something is refused, and assertions are no places. Nor are
+the arguments, written as a list of tuples, at which a statement is enclosed: it holds at any.
 """
 
 from __future__ import annotations
@@ -22,7 +23,8 @@ ARITHMETIC = {
     ast.Add: ("+", "-"), ast.Sub: ("-", "+"), ast.Mult: ("*", "/"), ast.Div: ("/", "*"), ast.Pow: ("**", "*"),
     ast.FloorDiv: ("//", "*"), ast.Mod: ("%", "*"), ast.BitAnd: ("&", "|"), ast.BitOr: ("|", "&"), ast.MatMult: ("@", "*"),
 }  # fmt: skip
-ASSERTED = {"strict", "check", "positive", "real", "nonnegative", "integer", "dtype", "digits"}  # or say how many are kept
+ASSERTED = {"strict", "check", "positive", "real", "nonnegative", "integer", "dtype"}
+SAID = {"digits", "slides"}  # how many are kept, and what is cited
 WORDS = {"print", "warn", "debug", "info", "set_title", "set_xlabel", "set_ylabel"}  # calls that only say something
 
 
@@ -56,6 +58,7 @@ class _Finder(ast.NodeVisitor):
         self.file, self.data = file, text.encode()
         self.found: list[Place] = []
         self.functions: list[str] = []
+        self.enclosed = False
         self.lines = [0]
         for line in self.data.splitlines(keepends=True):
             self.lines.append(self.lines[-1] + len(line))
@@ -180,9 +183,16 @@ class _Finder(ast.NodeVisitor):
         for argument in () if getattr(node.func, "attr", "") == "reshape" else node.args:  # any number below 0 is "the rest"
             self.visit(argument)
         for keyword in node.keywords:
-            if keyword.arg not in ASSERTED:
+            if keyword.arg not in ASSERTED | SAID:
                 self.left_out(node, keyword)
+                self.enclosed = keyword.arg == "enclosed"
                 self.visit(keyword.value)
+                self.enclosed = False
+
+    def visit_List(self, node: ast.List) -> None:
+        """Arguments at which a statement is enclosed, or a list like any other."""
+        if not (self.enclosed and all(isinstance(each, ast.Tuple) for each in node.elts)):
+            self.generic_visit(node)
 
     def left_out(self, call: ast.Call, keyword: ast.keyword) -> None:
         """A named argument, unless it is a text or the call has no other arguments."""

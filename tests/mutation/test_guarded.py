@@ -156,3 +156,37 @@ def test_a_reason_may_be_given_for_whatever_a_line_becomes() -> None:
     outcome = guarded.Outcome(places.Place("lib/a.py", 1, 0, 1, ("2",), "a number", ""), "CHUNK = 1", "CHUNK = 2")
     assert guarded.reason(outcome, {("lib/a.py", "CHUNK = 1", "*"): "how much a thread takes at once"}).startswith("how much")
     assert guarded.reason(outcome, {("lib/a.py", "CHUNK = 1", "CHUNK = 3"): "another"}) == ""
+
+
+def test_arguments_at_which_a_statement_is_enclosed_are_no_places(tmp_path: Path) -> None:
+    (tmp_path / "a.py").write_text(
+        "one = Equation(\n    enclosed=lambda it: at(it, [(1.5,), (2.5,)], bits=3),\n    over=[(4, 5)],\n)\n"
+    )
+    found = [place for place in places.of_file(tmp_path, "a.py") if place.rule == "a number"]
+    assert [place.others for place in found] == [("4", "(2)"), ("5", "(3)"), ("6", "(4)")]
+
+
+def test_what_a_run_took_down_is_taken_until_what_decides_it_changes(tiny: Path, tmp_path: Path) -> None:
+    """Another test is run again, and one whose functions changed; a file of which nothing is called does not count."""
+    copy = guarded.Copy(tiny, tmp_path / "copy", tmp_path)
+    (tiny / "build/mutants").mkdir(parents=True)
+    tests = guarded.test_files(tiny)
+    first = guarded.record(tiny, [copy], ["not slow", "slow"], tests)
+    assert {(one.file, one.suite) for one in first} == {(file, "not slow") for file in tests}  # none has a slow test
+    for one in first:
+        one.seconds = -1.0
+    kept = tiny / "build/mutants/watched.jsonl"
+    kept.write_text("".join(map(guarded._line, first)))
+
+    def again() -> set[str]:
+        return {one.file for one in guarded.record(tiny, [copy], ["not slow"], tests) if one.seconds >= 0}
+
+    assert again() == set()
+    (copy.root / "lib/microfacet/kernels.py").write_text("class _Program:\n    def add(self, function): return function\n")
+    assert again() == set()
+    library = copy.root / "lib/microfacet/tiny.py"
+    library.write_text(library.read_text() + "\n")
+    assert again() == {"tests/test_tiny.py"}
+    other = copy.root / "tests/test_other.py"
+    other.write_text(other.read_text() + "\n")
+    assert "tests/test_other.py" in again()

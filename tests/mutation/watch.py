@@ -2,7 +2,7 @@
 
 `python -m pytest -p watch FILE`; $MICROFACET_WATCH names the file to write. It looks at calls and not at lines, which costs
 little; what a kernel consists of is not called when it is compiled, so that is asked of `Batch`. A module that is imported
-counts as a function without a name. It also writes down which tests failed.
+counts as a function without a name, and a class that is defined as its name with a dot. It also writes down which tests failed.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import json
 import os
 import sys
 import threading
+from inspect import CO_OPTIMIZED
 from pathlib import Path
 from types import CodeType, FrameType
 from typing import Any
@@ -51,14 +52,15 @@ def touched() -> dict[str, list[str]]:
     for code in seen:
         path = ROOT / code.co_filename  # which may be relative already, of a script that was run by its name
         if path.is_relative_to(ROOT) and path.relative_to(ROOT).parts[0] in PLACES:
-            found.setdefault(str(path.relative_to(ROOT)), set()).add(named(code.co_qualname))
+            found.setdefault(str(path.relative_to(ROOT)), set()).add(named(code))
     return {file: sorted(names) for file, names in sorted(found.items())}
 
 
-def named(qualname: str) -> str:
+def named(code: CodeType) -> str:
     """As places.py has it: "Class.method.inner", and "" for the module; lambdas belong to what is around them."""
-    parts = qualname.replace(".<locals>", "").split(".")
-    return ".".join(part for part in parts if not part.startswith("<"))
+    parts = [part for part in code.co_qualname.replace(".<locals>", "").split(".") if not part.startswith("<")]
+    defined = parts and not code.co_flags & CO_OPTIMIZED  # the body of a class
+    return ".".join(parts) + ("." if defined else "")
 
 
 def pytest_sessionfinish() -> None:

@@ -262,3 +262,20 @@ def test_newtons_errors_fall_with_steps_to_a_floor() -> None:
     np.testing.assert_allclose(data["u"], (np.arange(2000) + 0.5) / 2000, rtol=6e-3)
     odds = data["odds"]
     assert odds[[0, -1]].tolist() == [1e-7, 1e7]
+
+
+@pytest.mark.parametrize(
+    ("name", "axes"),
+    [("edges", ("alpha", "cosines", "offsets")), ("integrals", ("alpha", "samples")), ("samplers", ("odds",))],
+)
+def test_axes_over_decades_have_a_whole_number_of_steps_a_decade(name: str, axes: tuple[str, ...]) -> None:
+    """So that each power of ten is met."""
+    data = chart(name)
+    for key in axes:
+        steps = np.diff(np.log10(data[key]))
+        np.testing.assert_allclose(steps, steps.mean(), atol=5e-3)  # three digits are kept
+        assert 1 / steps.mean() == pytest.approx(round(1 / steps.mean()), abs=0.01), key
+
+
+def test_an_axis_of_angles_has_the_middle_of_every_degree(integrals: dict[str, Any]) -> None:
+    assert integrals["theta"].tolist() == [degree + 0.5 for degree in range(90)]

@@ -75,3 +75,14 @@ def test_normals_give_their_numbers_back(kind: type, real: type) -> None:
         for wo, row in zip(views, normals, strict=True):
             back = [trust.numbers_back(ndf, wo, u, m) for u, m in zip(numbers, row, strict=True)]
             assert min(back) > trust.MOST[real] - 2.5, (alpha, wo)
+
+
+@pytest.mark.parametrize("kind", [mf.GGX, mf.Beckmann])
+def test_a_number_is_as_far_off_as_it_is_from_the_nearer_end(kind: type) -> None:
+    """Who draws with other numbers gets them back, and is told by how much they differ: of u2, or of 1 - u2 if that is less."""
+    ndf, wo = kind(0.4), spherical(0.7, 0.3)
+    for u2, off in ((1e-5, 1e-8), (0.3, 3e-4), (1 - 1e-5, -1e-8)):  # a thousandth of what is less
+        m = mf.Smith(ndf).sample_visible(wo, [0.3, u2 + off])
+        assert trust.numbers_back(ndf, wo, np.array([0.3, u2]), m) == pytest.approx(3, abs=0.02)
+    m = mf.Smith(ndf).sample_visible(wo, [0.3 + 1e-4, 0.3])
+    assert trust.numbers_back(ndf, wo, np.array([0.3, 0.3]), m) == pytest.approx(4, abs=0.02)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from microfacet.directions import spherical
 from microfacet.surface.gaussian import GaussianField
-from microfacet.surface.measure import Plan, _surface, estimate, gather, shard
+from microfacet.surface.measure import POINTS, RAYS, Plan, _surface, estimate, gather, shard
 
 FAMILY = GaussianField(128, 0.7, 0.5, correlation=8)
 VIEWS = spherical(np.radians([0, 45, 75]), np.radians([0, 30, -100]))
@@ -149,3 +149,8 @@ class Sparse:
     def spectral(self, k: int) -> np.ndarray:
         step = self.fine.size // self.coarse.size
         return self.fine.spectral(k)[::step, ::step] * (self.coarse.sigma / self.fine.sigma)
+
+
+def test_rays_points_and_heights_of_a_surface_are_drawn_from_numbers_of_their_own() -> None:
+    seeds = [FAMILY.seed(k, *purpose) for k in (0, 1) for purpose in ((), (RAYS, 0), (POINTS, 0), (RAYS, 1), (POINTS, 1))]
+    assert len({tuple(seed.generate_state(4)) for seed in seeds}) == len(seeds)

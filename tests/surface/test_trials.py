@@ -16,6 +16,7 @@ from microfacet.surface.compare import normals_of
 from microfacet.surface.gaussian import GaussianField
 from microfacet.surface.measure import Estimate, Measurement, Plan, shard
 from microfacet.surface.trials import Look, off, verdict
+from scipy.stats import norm
 
 SURFACES = 24
 
@@ -102,3 +103,50 @@ def test_looking_often_makes_chance_likelier() -> None:
 
 def test_what_is_no_number_is_refuted() -> None:
     assert verdict("surfaces", [Look(0.5, "a"), Look(float("nan"), "b")]).status == "fail"
+
+
+def test_what_refutes_is_one_in_a_million() -> None:
+    assert verdict("samples", [Look(0.7e-6, "a")]).status == "fail"
+    assert verdict("samples", [Look(1.4e-6, "a")]).status == "pass"
+    assert verdict("samples", [Look(0.4e-6, "a"), Look(1.0, "b")]).status == "fail"
+
+
+def test_a_verdict_says_how_often_it_was_looked_and_how_finely() -> None:
+    mark = verdict("samples", [Look(0.7, "a", 0.02), Look(0.6, "b", 0.003)])
+    assert mark.measured == {"count": 2, "odds": 1.0, "error": 0.02}
+    assert mark.detail == "samples: 2 comparisons, standard error at most 0.02; odds of one so far off by chance 1"
+    assert verdict("samples", [Look(0.25, "a")]).detail == "samples: one comparison; odds of one so far off by chance 0.25"
+    refuted = verdict("samples", [Look(0.5, "here"), Look(0.0, "there")])
+    assert refuted.detail == "samples: 2 comparisons; refuted: chance brings one so far off with odds of 0.0e+00, at there"
+    assert verdict("samples", [Look(0.5, "a"), Look(-1.0, "b")]).measured["odds"] == 0
+
+
+def test_odds_count_both_sides() -> None:
+    above, below = (off(Estimate(np.array(1 + shift), np.array(0.1)), 1.0, 3) for shift in (0.2, -0.2))
+    assert above == pytest.approx(below) == pytest.approx(1 - 2 / np.sqrt(2**2 + 2))  # of Student's t with 2 degrees of freedom
+
+
+@pytest.mark.parametrize("alpha", [(0.7, 0.7), (0.8, 0.3)])
+@pytest.mark.parametrize("corrected", [True, False])
+def test_facets_turned_to_the_viewer_are_a_mean_over_gaussian_slopes(alpha: tuple[float, float], corrected: bool) -> None:
+    """E max(cos + sin s, 0) of a normal slope s along the view, whose variance is that of both slopes and what they share."""
+    family = GaussianField(512, *alpha, corrected=corrected)
+    ax, ay = family.facet_alpha
+    shared = family.facet_correlation * ax * ay / 2
+    covariance = np.array([[ax * ax / 2, shared], [shared, ay * ay / 2]])
+    for wo in spherical(np.radians([10.0, 60.0, 85.0]), [0.3, 2.0, 4.0]):
+        spread, cosine = np.sqrt(wo[:2] @ covariance @ wo[:2]), wo[2]
+        expected = cosine * norm.cdf(cosine / spread) + spread * norm.pdf(cosine / spread)
+        assert trials.turned_to(family, wo) == pytest.approx(expected, rel=1e-12)
+        assert trials.cosine(family, wo) == cosine
+    assert trials.turned_to(family, trials.ABOVE) == 1
+
+
+def test_shares_are_pooled_into_strips_about_the_axes_and_sixteen_squares() -> None:
+    shares = np.random.default_rng(3).random((2, 14, 14))
+    inside = shares[:, 1:-1, 1:-1]
+    strips = [inside[:, :, k : 12 - k].sum(axis=(1, 2)) for k in range(6)] + [
+        inside[:, k : 12 - k].sum(axis=(1, 2)) for k in range(6)
+    ]
+    squares = [inside[:, 3 * i : 3 * i + 3, 3 * j : 3 * j + 3].sum(axis=(1, 2)) for i in range(4) for j in range(4)]
+    np.testing.assert_allclose(trials.pooled(shares), np.transpose([*strips, *squares]), rtol=1e-13)

@@ -10,6 +10,7 @@ import microfacet as mf
 import numpy as np
 import pytest
 from around import turned_to
+from microfacet.validation import equations
 from microfacet.validation.equations import THETA, TITLES, Validation, decide, default_views, residual, residuals
 from microfacet.visibility.masking import Masking, nothing
 from samples import views
@@ -182,6 +183,19 @@ def test_default_views_look_from_many_azimuths_unless_isotropy_is_declared() -> 
     assert np.diff([*azimuths, azimuths[0] + 360]).max() < 12.5
     for found in (one, many):
         assert set(np.round(np.degrees(np.arccos(found[:, 2])))) == {0, 15, 30, 45, 60, 75, 85, 89}
+
+
+def test_lobes_that_lean_are_looked_at_along_across_and_against() -> None:
+    """From 60 and 85 degrees, after all other views; normals of the skewed surface lean towards two azimuths at most."""
+    leaning = equations._leaning(SKEWED.panels)
+    x, y = SKEWED.panels.moments[:, 1:].sum(axis=0)
+    assert abs(np.angle(np.exp(1j * (leaning[0] - np.arctan2(-y, -x))))) < np.pi / 4
+    assert len(leaning) == equations.LOBES == 2
+    assert abs(np.angle(np.exp(1j * (leaning[0] - leaning[1])))) > np.pi / 6
+    many = default_views(SKEWED)[-12:]
+    wanted = {(t, round(np.degrees(a + turn) % 360, 4)) for a in leaning for t in (60, 85) for turn in (0, np.pi / 2, np.pi)}
+    found = {(round(np.degrees(np.arccos(z))), round(np.degrees(np.arctan2(y, x)) % 360, 4)) for x, y, z in many}
+    assert found == wanted
 
 
 @pytest.mark.parametrize("alpha", [1e-8, 1e-3, 0.01])

@@ -67,7 +67,7 @@ def test_what_is_not_said_counts_as_one_or_as_exact() -> None:
     assert ledger.enclosure_figures({})["count"] == 1
     assert ledger.trial_figures({}) == {"count": 1, "error": 0.0}
     assert ledger.trial_figures({"count": 7, "error": 0.25}) == {"count": 7, "error": 0.25}
-    assert ledger.kernel_figures({"float64": {"ulps": 1.23456}}) == {"float64": 1.23}
+    assert ledger.kernel_figures({"float64": {"ulps": 1.23456, "promised": 4}}) == {"float64": 1.23, "promised float64": 4.0}
 
 
 def test_what_was_gained_is_no_loss_and_what_was_unknown_can_not_be_lost() -> None:

@@ -24,7 +24,10 @@ ENTRY = {
         "enclosed": {"status": "pass", "measured": {"radius": 3e-41, "count": 5, "at": "a = 1"}},
         "numeric": {
             "status": "pass",
-            "measured": {"float64": {"ulps": 2.0, "at": "a=1"}, "float32": {"ulps": 1.5, "at": "a=1"}},
+            "measured": {
+                "float64": {"ulps": 2.0, "at": "a=1", "promised": 8.0},
+                "float32": {"ulps": 1.5, "at": "a=1", "promised": 8.0},
+            },
         },
         "measured": {"status": "pass", "measured": {"count": 7, "error": 1e-3, "odds": 0.4}},
     },
@@ -57,19 +60,26 @@ def lost(now: dict[str, Any], before: dict[str, Any] = ENTRY) -> list[str]:
         ("marks.enclosed.measured.radius", 1e-30, "enclosed: digits was 40, it is 30"),
         ("marks.enclosed.measured.count", 4, "enclosed: count was 5, it is 4"),
         ("marks.numeric.measured.float64.ulps", 4.0, "numeric: float64 was 2.0, it is 4.0"),
+        ("marks.numeric.measured.float64.promised", 8.5, "numeric: promised float64 was 8.0, it is 8.5"),
         ("marks.measured.status", "none", "measured: passed on record, not any more"),
         ("marks.measured.measured.count", 6, "measured: count was 7, it is 6"),
         ("marks.measured.measured.error", 2e-3, "measured: error was 0.001, it is 0.002"),
-        ("marks.numeric.measured", {"float64": {"ulps": 2.0}}, "numeric: float32 was 1.5, it is gone"),
+        ("marks.numeric.measured.float32.ulps", 3.0, "numeric: float32 was 1.5, it is 3.0"),
     ],
 )
 def test_each_way_of_getting_worse_is_named(path: str, value: Any, sentence: str) -> None:
     assert lost(changed(path, value)) == [sentence]
 
 
+def test_a_precision_that_is_not_looked_at_any_more_is_named() -> None:
+    said = lost(changed("marks.numeric.measured", {"float64": {"ulps": 2.0, "promised": 8.0}}))
+    assert said == ["numeric: float32 was 1.5, it is gone", "numeric: promised float32 was 8.0, it is gone"]
+
+
 def test_as_good_or_better_passes() -> None:
     assert lost(ENTRY) == []
     assert lost(changed("marks.numeric.measured.float64.ulps", 2.4)) == []  # another processor's exp
+    assert lost(changed("marks.numeric.measured.float64.promised", 7.5)) == []
     assert lost(changed("marks.enclosed.measured.radius", 1e-60)) == []
 
 

@@ -701,12 +701,12 @@ def _with_memory(*job: Any) -> bool:
 def _memory() -> tuple[Any, ...]:
     """Memory for `_trace`: the lanes' state, the next rays, as given and as state, the results."""
     return (
-        np.empty(11 * LANES),
-        np.empty(7 * LANES, np.int64),
+        np.empty(END + LANES),
+        np.empty(SIDE + LANES, np.int64),
         np.empty(6 * LANES),
         np.empty(LANES, np.int64),
-        np.empty(11 * LANES),
-        np.empty(7 * LANES, np.int64),
+        np.empty(END + LANES),
+        np.empty(SIDE + LANES, np.int64),
         np.empty(CHUNK, np.int64),
         np.empty(CHUNK),
     )
