@@ -17,7 +17,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from microfacet import processors
 from microfacet.kernels import LONG, QUICKEST, Batch
-from microfacet.processors import PIECE, QUICK, Pace, share, spread, threads
+from microfacet.processors import PIECE, QUICK, Pace, apart, share, spread, threads
 
 
 @pytest.mark.parametrize("count", ["1", "2", "5"])
@@ -200,6 +200,40 @@ def test_a_short_call_is_one_call_of_the_loop(monkeypatch: pytest.MonkeyPatch) -
 
 
 # --- interrupts -------------------------------------------------------------------------------------------------------
+
+
+def test_what_is_done_apart_comes_back() -> None:
+    assert apart(lambda: 3) == 3
+    with pytest.raises(ValueError, match="wrong"):
+        apart(lambda: int("wrong"))
+
+
+WAITING = """
+import os, signal, threading, time
+from microfacet.processors import apart, apart
+
+def interrupt():
+    time.sleep(0.5)
+    os.kill(os.getpid(), signal.SIGINT)
+
+threading.Thread(target=interrupt).start()
+begin = time.perf_counter()
+try:
+    apart(lambda: time.sleep(60))
+except KeyboardInterrupt:
+    print(time.perf_counter() - begin)
+"""
+
+
+def test_the_wait_for_what_is_done_apart_ends_at_an_interrupt() -> None:
+    """And so does the process: compiling that is under way does not keep it."""
+    begin = time.perf_counter()
+    environment = os.environ | {"PYTHONPATH": str(Path(__file__).parent.parent / "lib")}
+    done = subprocess.run([sys.executable, "-c", WAITING], env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert 0.4 < float(done.stdout) < 1.5
+    assert time.perf_counter() - begin < 30
+
 
 INTERRUPTED = """
 import json, os, signal, sys, threading, time

@@ -29,7 +29,7 @@ import numpy as np
 
 from microfacet.cache import key, load, require_compiler, store
 from microfacet.directions import UNIT, Argument
-from microfacet.processors import QUICK, Pace, spread
+from microfacet.processors import QUICK, Pace, apart, spread
 
 Parameters = tuple[Any, ...]
 Single = tuple[bool, ...]
@@ -358,7 +358,7 @@ def _machine_code(text: str, kind: Any) -> Any:
     name = key(text, kind, inspect.getsource(shared), inspect.getsource(widest))
     found = load(name)
     if found is None:
-        found = _compile(text, kind)
+        found = apart(lambda: _compile(text, kind))
         store(name, found)
     return found
 

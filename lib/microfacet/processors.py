@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from functools import cache
 from itertools import pairwise
-from threading import Lock
+from threading import Lock, Thread
 from time import perf_counter
 from typing import Any
 
@@ -74,6 +74,28 @@ def _together(step: Callable[[], bool], helpers: int) -> None:
         wait(begun)
     for other in begun:
         other.result()
+
+
+def apart(work: Callable[[], Any]) -> Any:
+    """What work() returns, from a thread of its own, so that an interrupt ends the wait for it though the work goes on.
+
+    For what cannot be done in pieces, such as compiling.
+    """
+    found: list[Any] = []
+    failed: list[BaseException] = []
+
+    def go() -> None:
+        try:
+            found.append(work())
+        except BaseException as error:
+            failed.append(error)
+
+    thread = Thread(target=go, daemon=True)
+    thread.start()
+    thread.join()
+    if failed:
+        raise failed[0]
+    return found[0]
 
 
 @cache
