@@ -421,6 +421,7 @@ class Batch:
     def __init__(self, function: Callable[..., Any], widths: Sequence[int], outputs: int = 1, varying: Varying = None) -> None:
         self.function, self.widths, self.outputs, self.varying = function, tuple(widths), outputs, varying
         self._of_arrays: dict[Varying, Batch] = {}
+        self._known: tuple[Parameters, Varying, Parameters, list[np.ndarray]] | None = None  # of the last call with arrays
         self._loops: dict[tuple[type, Any, Single, Kinds], tuple[Loop, Pace]] = {}
         self._ready: dict[tuple[type, Parameters, Single, Kinds], tuple[Loop, Pace, Any]] = {}
 
@@ -459,8 +460,10 @@ class Batch:
         self, arrays: Sequence[Any], shape: tuple[int, ...], parameters: Parameters, real: type, out: np.ndarray | None
     ) -> Any:
         """The same where some parameters are arrays, which the loop reads in the precision of the arguments."""
-        given: list[np.ndarray] = []
-        varying, others = _separated(parameters, given)
+        if self._known is None or self._known[0] is not parameters:
+            found: list[np.ndarray] = []
+            self._known = (parameters, *_separated(parameters, found), found)
+        _, varying, others, given = self._known
         try:
             np.broadcast_shapes(shape, *(array.shape for array in given))
         except ValueError:
