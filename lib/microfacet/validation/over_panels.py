@@ -8,18 +8,21 @@ direction, G1 and G2.
 
 from __future__ import annotations
 
-from functools import cache
+from collections.abc import Callable
+from functools import cache, cached_property, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from microfacet.arithmetic import two_sum
 from microfacet.geometry.panels import SQUARES, density_at, falling, rule, slopes_at
+from microfacet.geometry.slopes import Distribution
 from microfacet.kernels import Batch
 from microfacet.material.reflection import reflected
 from microfacet.visibility.masking import Masking, visible_normals
 
 ROUNDING = 1e-13  # of a sum of some 10^4 terms
+KEPT = 4  # distributions of which nodes are kept, some 10^4 or 10^5 each
 DRAWN, MORE = 32, 256  # normals, seen from a view, at which light is followed, and where these do not decide
 CLOSE = 1e-12  # what G2 may exceed G1 by, of it
 SURE = 4.0  # standard deviations
@@ -55,16 +58,57 @@ class Pieces(NamedTuple):
         return Pieces(self.normals[chosen], self.mass[chosen])
 
 
-class Sight(NamedTuple):
-    """What one view sees. area: what G1 leaves visible, over cos theta_o, and its error. norm, furnace: the same for the
-    integral of D_visible, and for mirrored light without shadowing. albedo: of mirror facets, and its error. limit: what the
-    albedo cannot exceed, infinite if nothing is known."""
+class Sight:
+    """What one view sees. area: what G1 leaves visible, over cos theta_o, and its error."""
 
-    area: tuple[float, float]
-    norm: tuple[float, float]
-    furnace: tuple[float, float]
-    albedo: tuple[float, float]
-    limit: float
+    def __init__(self, area: tuple[float, float], draw: Callable[[], _Drawn]) -> None:
+        self.area, self._draw = area, draw
+
+    @cached_property
+    def _drawn(self) -> _Drawn:
+        return self._draw()
+
+    @property
+    def norm(self) -> tuple[float, float]:
+        """The same for the integral of D_visible, which is what is seen over the cosine: the same sum."""
+        return self.area
+
+    @cached_property
+    def furnace(self) -> tuple[float, float]:
+        """The same for mirrored light without shadowing."""
+        (area, error), apart = self.area, self._drawn.furnace()
+        return area * (1 + float(apart.mean())), error + float(np.ptp(apart))
+
+    @cached_property
+    def _reflected(self) -> tuple[tuple[float, float], float]:
+        return self._drawn.albedo(*self.area)
+
+    @property
+    def albedo(self) -> tuple[float, float]:
+        """Of mirror facets, and its error."""
+        return self._reflected[0]
+
+    @property
+    def limit(self) -> float:
+        """What the albedo cannot exceed, infinite if nothing is known."""
+        return self._reflected[1]
+
+
+def pieces_of(ndf: Distribution, square: np.ndarray, u: np.ndarray, v: np.ndarray, area: np.ndarray) -> Pieces:
+    """Nodes at points of the squares. area: that of the squares per node, but for the weights."""
+    scale = ndf.panels.scale
+    x, y, w = slopes_at(square, u, v, scale)
+    normals, density = density_at(ndf.D, x, y, w, scale)
+    return Pieces(normals, density * area)
+
+
+@lru_cache(maxsize=KEPT)
+def whole_panels(ndf: Distribution) -> Pieces:
+    """All panels of a distribution, which no view cuts."""
+    square, low, high, first, last = ndf.panels.boxes.T[:, :, None, None]
+    nodes = rule()[0]
+    area = (high - low) * (last - first)
+    return pieces_of(ndf, square, low + (high - low) * nodes[:, None], first + (last - first) * nodes, area)
 
 
 class Sights:
@@ -72,11 +116,8 @@ class Sights:
 
     def __init__(self, model: Masking) -> None:
         self.model, self.kernels = model, kernels_of(model)
-        self.found = found = model.ndf.panels
-        square, low, high, first, last = found.boxes.T[:, :, None, None]
-        nodes = rule()[0]
-        area = (high - low) * (last - first)
-        self.whole = self._pieces(square, low + (high - low) * nodes[:, None], first + (last - first) * nodes, area)
+        self.found = model.ndf.panels
+        self.whole = whole_panels(model.ndf)
 
     def spread(self, count: int) -> np.ndarray:
         """Normals at equal steps of the facets' area."""
@@ -92,12 +133,6 @@ class Sights:
     def _areas(self) -> np.ndarray:
         return np.asarray(self.whole.mass * np.outer(rule()[1], rule()[1]))
 
-    def _pieces(self, square: np.ndarray, u: np.ndarray, v: np.ndarray, area: np.ndarray) -> Pieces:
-        """Nodes at points of the squares. area: that of the squares per node, but for the weights."""
-        x, y, w = slopes_at(square, u, v, self.found.scale)
-        normals, density = density_at(self.model.ndf.D, x, y, w, self.found.scale)
-        return Pieces(normals, density * area)
-
     def __call__(self, wo: np.ndarray) -> list[Sight]:
         """Of views (n, 3), above the horizon."""
         known = self.kernels.view([wo], self.kernels.parameters)
@@ -109,13 +144,13 @@ class Sights:
         weights = rule()[1]
         area = sum(float(((value @ weights) @ weights).sum()) for value in values)
         error = sum(_error(value) for value in values) + self.found.error + ROUNDING
-        normals = np.concatenate([part.normals.reshape(-1, 3) for part in parts])
-        shares = np.concatenate([(value * np.outer(weights, weights)).ravel() for value in values])
-        drawn = _Drawn(self, wo, known, normals, shares)
-        norm = area  # D_visible is what is seen over the cosine, so its integral is the same sum
-        apart = drawn.furnace()
-        furnace = norm * (1 + float(apart.mean())), error + float(np.ptp(apart))
-        return Sight((area, error), (norm, error), furnace, *drawn.albedo(area, error))
+
+        def draw() -> _Drawn:
+            normals = np.concatenate([part.normals.reshape(-1, 3) for part in parts])
+            shares = np.concatenate([(value * np.outer(weights, weights)).ravel() for value in values])
+            return _Drawn(self, wo, known, normals, shares)
+
+        return Sight((area, error), draw)
 
     def _seen(self, part: Pieces, wo: np.ndarray, known: float) -> np.ndarray:
         """What G1 leaves of the facets, projected towards the view, over cos theta_o."""
@@ -150,7 +185,7 @@ class Sights:
     def _cut(self, boxes: np.ndarray, lines: np.ndarray) -> Pieces:
         """Trapezoids between both lines and the edges of panels, those turned to the view."""
         square, u, v, area = trapezoids(boxes, lines)
-        return self._pieces(square[:, None, None], u, v, area)
+        return pieces_of(self.model.ndf, square[:, None, None], u, v, area)
 
 
 def trapezoids(boxes: np.ndarray, lines: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
