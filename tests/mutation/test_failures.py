@@ -19,7 +19,7 @@ import pytest
 import suite
 from microfacet import checks
 from microfacet.directions import spherical
-from microfacet.geometry import ggx
+from microfacet.geometry import ggx, slopes
 from microfacet.geometry.beckmann import beckmann_Lambda
 from microfacet.geometry.visible_normals import sample_beckmann, sample_ggx, unstretched
 from microfacet.geometry.visible_slopes import FAR, edge_factor, fifth_order, guess, third_order, visible_gaussian_slope
@@ -281,7 +281,7 @@ def test_anisotropic_lobe_sampled_by_another(kernel: Callable[..., Any], monkeyp
 
 
 def from_below(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float]:
-    vx, vy, vz = unstretched(ox, oy, oz, p[0][0], p[0][1])
+    vx, vy, vz = unstretched(ox, oy, oz, p[0], p[1])
     return sample_ggx(vx, vy, abs(vz) / (1.0 + vz), u1, u2, p)
 
 
@@ -304,7 +304,7 @@ def test_expected_counts_integrated_too_coarsely(monkeypatch: pytest.MonkeyPatch
 
 
 def test_roughness_of_zero(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ggx, "roughness", lambda name, value: float(value))
+    monkeypatch.setattr(slopes, "roughness", lambda name, value: float(value))
     assert red("test_public_face:roughness_that_is_none", mf.GGX, 0)
 
 

@@ -22,7 +22,7 @@ class Equation:
         numeric = {
             "status": "pass" if worst < 1e-12 else "fail",
             "detail": f"off by {worst:.1e} at worst",
-            "measured": {"float64": {"ulps": worst * 2**52, "at": "a"}},
+            "measured": {"float64": {"ulps": worst * 2**52, "at": "a", "promised": 1.0}},
         }
         verdict, message = (
             ("pass", "") if worst < 1e-12 else ("fail", f"{self.key} (microfacet.statement): numeric: {numeric['detail']}")
