@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 from method import Method, uniform
-from microfacet.kernels import Batch
+from microfacet.kernels import Batch, Pair, Vector
+from microfacet.visibility.masking import ModelParameters
 from rivals_estimate import SAMPLERS, Sampler, kernel_of
 
 ALPHAS = (0.3, 0.3)
@@ -34,11 +35,12 @@ def shading(sampler: Sampler) -> Batch:
     """The light that samples bring (n,), from normals (n, 3) of a sphere and uniform numbers (n, 2)."""
     estimate = kernel_of(sampler)
 
-    def shaded(x: float, y: float, z: float, u1: float, u2: float, p: Any) -> float:
+    def shaded(normal: Vector, u: Pair, p: ModelParameters) -> float:
+        x, y, z = normal
         length = sqrt(x * x + z * z)
         ax, az = z / length, -x / length
         bx, by, bz = y * az, z * ax - x * az, -y * ax
-        ix, iy, iz, weight = estimate(az, bz, z, u1, u2, p)
+        ix, iy, iz, weight = estimate((az, bz, z), u, p)
         return weight * light(ix * ax + iy * bx + iz * x, iy * by + iz * y, ix * az + iy * bz + iz * z)
 
     return Batch(shaded, [3, 2])
