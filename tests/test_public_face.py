@@ -334,7 +334,7 @@ def test_use_loads_no_drawing() -> None:
         "import microfacet as mf; brdf = mf.Microfacet(mf.Smith(mf.GGX(0.3)), mf.Dielectric(1.5)); mf.validate\n"
         "len(mf.equations); print(json.dumps(sorted(sys.modules)))"
     )
-    assert not {"matplotlib", "microfacet.plotting", "cells", "jupytext", "IPython"} & set(modules)
+    assert not {"matplotlib", "report", "cells", "jupytext", "IPython"} & set(modules)
 
 
 def test_every_public_name_is_there() -> None:

@@ -1,7 +1,7 @@
 """Imports run one way: geometry -> visibility -> material -> brdf -> validation -> surface -> enough, never back.
 
 A module may import its own stage and those before it; the modules at the top of the package serve
-all stages, so at import time they reach into none; plotting and motion are for figures only.
+all stages, so at import time they reach into none. Nothing in the library imports `report`.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from pathlib import Path
 
 import closure
 
+LIB = closure.PACKAGES[closure.PACKAGE]
 STAGES = ("geometry", "visibility", "material", "brdf", "validation", "surface", "enough")
-FIGURES_ONLY = ("plotting", "motion")
 
 
 def stage(module: str) -> str:
@@ -24,7 +24,7 @@ def stage(module: str) -> str:
 
 def imports_at_load(path: Path) -> Iterator[tuple[int, str]]:
     """Line and module of every import that runs when the file is loaded."""
-    module = ".".join(path.relative_to(closure.SOURCE_ROOT).with_suffix("").parts)
+    module = ".".join(path.relative_to(LIB).with_suffix("").parts)
     reader = closure.Imports(module.removesuffix(".__init__"), path.name == "__init__.py")
     for node in statements_at_load(ast.parse(path.read_text("utf-8"))):
         if isinstance(node, ast.Import):
@@ -43,17 +43,16 @@ def statements_at_load(tree: ast.AST) -> Iterator[ast.AST]:
 
 def faults() -> Iterator[str]:
     for path in sorted(closure.whole_package()):
-        home = stage(".".join(path.relative_to(closure.SOURCE_ROOT).with_suffix("").parts))
+        home = stage(".".join(path.relative_to(LIB).with_suffix("").parts))
         for line, module in imports_at_load(path):
-            if module.split(".")[0] == closure.PACKAGE and not allowed(home, stage(module)):
-                yield f"{path}:{line}: {home} must not import {stage(module)}"
+            if closure.is_ours(module) and not allowed(home, module):
+                yield f"{path}:{line}: {home} must not import {stage(module) or module}"
 
 
-def allowed(home: str, target: str) -> bool:
-    if target in FIGURES_ONLY:
-        return home in FIGURES_ONLY
-    if target not in STAGES:
-        return True
+def allowed(home: str, module: str) -> bool:
+    package, target = module.split(".")[0], stage(module)
+    if package != closure.PACKAGE or target not in STAGES:
+        return package == closure.PACKAGE
     return home in STAGES and STAGES.index(target) <= STAGES.index(home)
 
 

@@ -6,11 +6,11 @@ from pathlib import Path
 import microfacet as mf
 import numpy as np
 from microfacet.confidence import ODDS
-from microfacet.datafile import rounded, store
 from microfacet.enough import cost
 from microfacet.enough.candidates import MASKINGS
 from microfacet.enough.choice import MEASURES, Comparison, choice
 from microfacet.enough.scene import Scene
+from report.datafile import rounded, store
 
 ALPHA, THETA, TOLERANCE = (0.05, 0.3), (0.0, 80.0), 1e-2
 RECORD = Path("records/benchmarks.json")

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import microfacet as mf
 import numpy as np
-from microfacet.datafile import rounded, store
 from microfacet.enough import cost
 from microfacet.enough.candidates import MASKINGS, Candidate
 from microfacet.enough.choice import MEASURES, Comparison, cheapest_first
 from microfacet.enough.scene import Scene
+from report.datafile import rounded, store
 
 ALPHA = np.geomspace(0.05, 1, 8)
 THETA = (0.0, 80.0)

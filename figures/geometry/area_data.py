@@ -4,7 +4,6 @@ import sys
 from functools import cache
 
 import numpy as np
-from microfacet.datafile import rounded, store
 from microfacet.directions import spherical
 from microfacet.geometry import beckmann, ggx
 from microfacet.geometry.beckmann import Beckmann
@@ -15,6 +14,7 @@ from microfacet.surface.trace import HeightField
 from microfacet.validation.equations import ABOVE
 from microfacet.visibility.masking import nothing
 from microfacet.visibility.quadrature import seen_batch
+from report.datafile import rounded, store
 
 CHECKED = np.linspace(0.1, 1.0, 10)
 MADE = np.linspace(0.2, 1.0, 5)

@@ -3,15 +3,15 @@
 import sys
 
 import numpy as np
-from microfacet.datafile import rounded, store
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.blinn_phong import BlinnPhong, NormalizedBlinnPhong
 from microfacet.geometry.ggx import GGX
 from microfacet.geometry.ward import Ward
 from microfacet.validation.equations import ABOVE, TOLERANCE, residual
-from microfacet.validation.tables import decide
 from microfacet.visibility.v_cavity import VCavity
+from report.datafile import rounded, store
+from report.tables import decide
 
 FAMILIES = (BlinnPhong, NormalizedBlinnPhong, Ward, Beckmann, GGX)
 NAMES = ("Blinn-Phong", "Blinn-Phong, normalised", "Ward", "Beckmann", "GGX")

@@ -28,8 +28,8 @@ import numpy as np
 import record
 import rivals
 import yardsticks
-from microfacet.datafile import put, refuse
 from microfacet.processors import threads
+from report.datafile import put, refuse
 
 ROUNDS = 15
 LEAST = 3e-3  # seconds: a shorter call is repeated until it lasts so long, or it would be timed with cold caches

@@ -4,8 +4,8 @@ import sys
 
 import numpy as np
 from method import uniform
-from microfacet.datafile import rounded, store
 from record import mark, read, seconds, summary
+from report.datafile import rounded, store
 from rivals_estimate import METHODS as ESTIMATE
 from rivals_estimate import SAMPLERS, variance
 from rivals_render import ALPHAS, METHODS, shading, sphere

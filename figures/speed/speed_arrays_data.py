@@ -3,8 +3,8 @@
 import sys
 
 import numpy as np
-from microfacet.datafile import rounded, store
 from record import fronts, mark, read, rows, seconds, summary, told
+from report.datafile import rounded, store
 from rivals_brdf import METHODS as BRDF
 from rivals_fresnel import METHODS as FRESNEL
 from rivals_masking import METHODS as MASKING

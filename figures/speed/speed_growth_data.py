@@ -3,8 +3,8 @@
 import sys
 
 import numpy as np
-from microfacet.datafile import rounded, store
 from record import mark, seconds, summary
+from report.datafile import rounded, store
 from rivals_growth import EXPECTED, METHODS, RAYS
 
 

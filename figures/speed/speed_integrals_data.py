@@ -3,8 +3,8 @@
 import sys
 
 import numpy as np
-from microfacet.datafile import rounded, store
 from record import front, mark, seconds, summary
+from report.datafile import rounded, store
 from rivals_integral import METHODS as AREAS
 
 ASKED = 1e-12

@@ -4,8 +4,8 @@ import sys
 
 import numpy as np
 from embree import OFFSETS
-from microfacet.datafile import rounded, store
 from record import mark, read, rows, seconds, summary
+from report.datafile import rounded, store
 from rivals_rays import METHODS, RAYS, SIDE, TASKS
 from yardsticks import GUESTS
 

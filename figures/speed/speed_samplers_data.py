@@ -3,8 +3,8 @@
 import sys
 
 import numpy as np
-from microfacet.datafile import rounded, store
 from record import fronts, mark, seconds, summary
+from report.datafile import rounded, store
 from rivals_estimate import METHODS, SAMPLERS, Sampler, variance
 
 ALPHA, DEGREES = 0.5, np.array([0.0, 20.0, 40.0, 55.0, 67.0, 75.0, 81.0, 85.0])

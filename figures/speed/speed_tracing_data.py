@@ -3,10 +3,10 @@
 import sys
 
 import numpy as np
-from microfacet.datafile import rounded, store
-from microfacet.surface.campaign import CAMPAIGN, THETA_O, read
 from microfacet.surface.measure import estimate
 from record import front, mark, seconds, summary
+from report.campaign import CAMPAIGN, THETA_O, read
+from report.datafile import rounded, store
 from rivals_tracing import GRIDS, METHODS, SIDES, SURFACES, VIEW
 
 ENTRIES = ("lobes_07",)

@@ -3,12 +3,12 @@
 import sys
 
 import numpy as np
-from microfacet.datafile import rounded, store
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
 from microfacet.validation.equations import TOLERANCE, residual
-from microfacet.validation.tables import MASKINGS, decide
+from report.datafile import rounded, store
+from report.tables import MASKINGS, decide
 
 DISTRIBUTIONS = (Beckmann(0.4), GGX(1.0))
 FLOOR = 1e-11  # above the quadrature's error for every curve here

@@ -319,7 +319,7 @@ def test_tracing_finds_the_least_effort(monkeypatch: pytest.MonkeyPatch, write: 
 
 def test_tracing_quotes_the_campaign(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its surfaces, rays and grid, and the relative error of a ratio of sums, by another jackknife."""
-    from microfacet.surface.campaign import CAMPAIGN, THETA_O, read
+    from report.campaign import CAMPAIGN, THETA_O, read
 
     found, entry = speed_tracing_data.campaign(), CAMPAIGN["lobes_07"]
     kept = read("lobes_07")

@@ -327,7 +327,7 @@ def choose(
     tolerance: float = 1e-3,
     *,
     measure: str = "albedo",
-    costs: cost.Costs | str | None = None,
+    costs: cost.Costs | None = None,
     surfaces: int = SURFACES,
     walks: int = WALKS,
     **more: Any,
@@ -337,8 +337,8 @@ def choose(
     alpha: roughness, or its range. theta: range of the view's polar angle, degrees. more: ratio, light, normals, fresnel,
     bounces, precision, as in `Scene`. tolerance: above 0, on what `measure` names: "albedo", the share of light that is
     reflected; "lobe", the share of the reflected light that goes elsewhere, in bins; "picture", the mean relative error of
-    spheres under a sky. costs: nanoseconds by name (`microfacet.enough.cost`); None takes the record of benchmarks, and
-    where it lacks any, as in an installed library, times the candidates now; "now" does so anyway.
+    spheres under a sky. costs: nanoseconds by name (`microfacet.enough.cost`); None times the
+    candidates now.
 
     The most complete model has exact Fresnel reflectance at each bounce, and all bounces unless the scene says one: for
     Gaussian slopes, so many ray-traced `surfaces`; for GGX, of which nobody has a surface, Smith's random walk, from so many
@@ -348,23 +348,19 @@ def choose(
     """
     tolerance = positive("tolerance", tolerance)
     one_of("measure", measure, MEASURES)
-    if not (costs is None or isinstance(costs, Mapping) or (isinstance(costs, str) and costs == "now")):
-        raise ValueError(f"costs must be None, 'now', or nanoseconds by name, got {costs!r}")
+    if not (costs is None or isinstance(costs, Mapping)):
+        raise ValueError(f"costs must be None or nanoseconds by name, got {costs!r}")
     comparison = Comparison(Scene(alpha, theta, **more), surfaces, walks)
-    known = costs if isinstance(costs, Mapping) else known_costs(comparison, costs == "now")
-    return choice(comparison, measure, tolerance, known, beyond=True)
+    return choice(comparison, measure, tolerance, costs_now(comparison) if costs is None else costs, beyond=True)
 
 
-def known_costs(comparison: Comparison, now: bool = False) -> cost.Costs:
-    """The record's times if it has all that is asked for; else, or if asked to, times taken now."""
-    kept = {} if now else cost.recorded()
-    wanted = {cost.name_of(one, comparison.scene.material): one for one in comparison.candidates}
-    samplers = _samplers(comparison.scene)
-    if all(name in kept for name in [*wanted, *samplers]):
-        return kept
+def costs_now(comparison: Comparison) -> cost.Costs:
+    """Times of all candidates and samplers, taken now."""
     material = comparison.scene.material
+    wanted = {cost.name_of(one, material): one for one in comparison.candidates}
     calls = [(name, cost.evaluation(one, material, cost.COUNT)) for name, one in wanted.items()]
-    return cost.timed([*calls, *((name, cost.sampling(*form, cost.COUNT)) for name, form in samplers.items())])
+    samplers = [(name, cost.sampling(*form, cost.COUNT)) for name, form in _samplers(comparison.scene).items()]
+    return cost.timed([*calls, *samplers])
 
 
 def _samplers(scene: Scene) -> dict[str, tuple[str, str, type]]:

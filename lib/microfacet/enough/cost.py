@@ -1,4 +1,4 @@
-"""What a candidate costs: nanoseconds for one value in large arrays, from the record of benchmarks, or timed on the spot."""
+"""What a candidate costs: nanoseconds for one value in large arrays, timed on the spot, or from a record of benchmarks."""
 
 from __future__ import annotations
 
@@ -20,7 +20,6 @@ from microfacet.visibility.smith import Smith
 from microfacet.visibility.v_cavity import VCavity
 
 QUANTITY = "models"  # the name in the record
-RECORD = Path(__file__).parents[3] / "records" / "benchmarks.json"  # in a checkout; an installed library has none
 SAMPLERS = {"normals": "all normals", "visible": "visible normals"}
 MATERIALS: dict[str, Fresnel] = {"mirror": Mirror(), "dielectric": Dielectric(1.5), "conductor": Conductor(0.2, 3.9)}
 TIMED = Point(0.3, 0.3, 50.0, 0.0)  # times hardly depend on roughness or view
@@ -70,7 +69,7 @@ def sampling(sampler: str, normals: str, real: type, count: int) -> Call:
     return lambda: brdf.pdf(wo, brdf.sample(wo, u))
 
 
-def recorded(path: Path = RECORD) -> dict[str, float]:
+def recorded(path: Path) -> dict[str, float]:
     """Nanoseconds by name, from the medians on record for the largest arrays; nothing where there is no record."""
     try:
         kept = json.loads(path.read_text("utf-8"))

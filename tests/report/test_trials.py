@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from microfacet.brdf.specular import Microfacet
 from microfacet.directions import spherical
-from microfacet.surface import trials
-from microfacet.surface.campaign import Entry
 from microfacet.surface.compare import normals_of
 from microfacet.surface.gaussian import GaussianField
 from microfacet.surface.measure import Estimate, Measurement, Plan, shard
-from microfacet.surface.trials import Look, off, verdict
+from report import trials
+from report.campaign import Entry
+from report.trials import Look, off, verdict
 from scipy.stats import norm
 
 SURFACES = 24

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from microfacet import datafile
+from report import datafile
 
 ARRAYS = {"x": np.linspace(0, 1, 5), "words": np.array(["one", "two"]), "count": np.array(3), "turned": np.eye(3)[:, ::-1]}
 

@@ -1,7 +1,7 @@
 """The report: all chapters in order, set by the template, as one PDF or as one HTML file that fetches nothing.
 
-python workflow/report.py build/report.pdf --version 1.0 --commit abc --tree clean
-python workflow/report.py build/report.html --version 1.0 --commit abc --tree clean
+python workflow/typeset.py build/report.pdf --version 1.0 --commit abc --tree clean
+python workflow/typeset.py build/report.html --version 1.0 --commit abc --tree clean
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Drawings that move: parts of a figure, found by their gid, follow CSS keyframes inside an SVG.
 
 The stills on paper and the motion on the web come from one script. Who has asked the system for less motion sees the
-first moment at rest. Like `microfacet.plotting`, this module is never imported by the library itself.
+first moment at rest. Like `report.plotting`, this module is never imported by the library itself.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from numpy.typing import ArrayLike
 
-from microfacet.datafile import put
-from microfacet.plotting import Array, Axes, Figure
+from report.datafile import put
+from report.plotting import Array, Axes, Figure
 
 PERIOD = 10.0
 CSS = {"delay": "animation-delay", "origin": "transform-origin"}

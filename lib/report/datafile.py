@@ -11,9 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
 from microfacet.files import writable, write
+from numpy.typing import ArrayLike, NDArray
 
 TORN = (OSError, EOFError, ValueError, KeyError, AttributeError, RuntimeError, zlib.error, zipfile.BadZipFile)
 SEAL = "seal"  # the name under which a file keeps a digest of all else in it

@@ -7,9 +7,9 @@ import pytest
 from microfacet.geometry import beckmann
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.blinn_phong import BlinnPhong
-from microfacet.validation import tables
 from microfacet.visibility.smith import Smith
 from microfacet.visibility.v_cavity import VCavity
+from report import tables
 
 pytestmark = pytest.mark.slow  # both tables are computed here
 

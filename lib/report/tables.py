@@ -11,7 +11,6 @@ from math import ceil, log10
 
 import numpy as np
 import sympy as sp
-
 from microfacet.geometry import beckmann, blinn_phong, ggx, ward
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.blinn_phong import BlinnPhong, NormalizedBlinnPhong

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_hex
 from matplotlib.patches import FancyArrowPatch, Polygon
-from microfacet import plotting
+from report import plotting
 
 SCRIPT = str(Path(__file__).parents[1] / "figures" / "visibility" / "masking.py")
 

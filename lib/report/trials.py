@@ -3,7 +3,7 @@
 What is tested here would hold exactly if nothing were random, so a result that odds of one in a million separate from the
 statement refutes it. Models that are only near to such surfaces are compared with them in figures, not here.
 
-python -m microfacet.surface.trials build/measured.json
+python -m report.trials build/measured.json
 """
 
 from __future__ import annotations
@@ -16,23 +16,23 @@ from functools import cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.special import ndtr, stdtr
-
 from microfacet.brdf.specular import Microfacet
 from microfacet.checks import Mark
-from microfacet.datafile import put, refuse
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.blinn_phong import NormalizedBlinnPhong
 from microfacet.geometry.ggx import GGX
 from microfacet.geometry.slopes import Distribution
 from microfacet.statement import equations
-from microfacet.surface.campaign import CAMPAIGN, read
 from microfacet.surface.compare import normals_of
 from microfacet.surface.gaussian import GaussianField
 from microfacet.surface.measure import Estimate, estimate
 from microfacet.validation.chi_square import agreement
 from microfacet.visibility.smith import Smith
+from scipy.special import ndtr, stdtr
+
+from report.campaign import CAMPAIGN, read
+from report.datafile import put, refuse
 
 ENTRIES = ("lobes_04", "lobes_07", "lobes_10", "stretched", "gabor_07")  # of the campaign
 REFUTED = 1e-6  # odds

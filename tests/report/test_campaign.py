@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from microfacet.surface import campaign
-from microfacet.surface.campaign import CAMPAIGN
+from report import campaign
+from report.campaign import CAMPAIGN
 
 GOLDEN = 180 * (3 - np.sqrt(5))  # degrees: no turn spreads more evenly
 

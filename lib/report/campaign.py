@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-
-from microfacet.datafile import load
 from microfacet.directions import spherical
 from microfacet.surface.gaussian import GaussianField
 from microfacet.surface.measure import Measurement, Plan
+
+from report.datafile import load
 
 ALPHAS = {"04": 0.4, "07": 0.7, "10": 1.0}
 THETA_O = (0.0, 20.0, 40.0, 60.0, 70.0, 80.0)  # degrees

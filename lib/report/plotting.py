@@ -20,7 +20,7 @@ from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 from numpy.typing import ArrayLike, NDArray
 
-from microfacet.datafile import load, put
+from report.datafile import load, put
 
 __all__ = [
     "COLOURS",
