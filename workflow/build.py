@@ -37,7 +37,7 @@ def settle_environment() -> None:
     """Jobs run this interpreter, one thread each, and keep their byte code."""
     here = str(Path(sys.executable).parent)
     os.environ["PATH"] = here + os.pathsep + os.environ.get("PATH", "")
-    os.environ["PYTHONPATH"] = str(Path("lib").resolve())
+    os.environ["PYTHONPATH"] = os.pathsep.join(str(Path(folder).resolve()) for folder in ("lib", "."))
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     threads = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
     os.environ.setdefault("MICROFACET_CACHE", str(Path("build/kernels").resolve()))

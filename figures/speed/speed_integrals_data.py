@@ -3,9 +3,10 @@
 import sys
 
 import numpy as np
-from record import front, mark, seconds, summary
 from report.datafile import rounded, store
-from rivals_integral import METHODS as AREAS
+
+from benchmarks.record import front, mark, seconds, summary
+from benchmarks.rivals_integral import METHODS as AREAS
 
 ASKED = 1e-12
 

@@ -4,10 +4,11 @@ import sys
 
 import numpy as np
 from microfacet.surface.measure import estimate
-from record import front, mark, seconds, summary
 from report.campaign import CAMPAIGN, THETA_O, read
 from report.datafile import rounded, store
-from rivals_tracing import GRIDS, METHODS, SIDES, SURFACES, VIEW
+
+from benchmarks.record import front, mark, seconds, summary
+from benchmarks.rivals_tracing import GRIDS, METHODS, SIDES, SURFACES, VIEW
 
 ENTRIES = ("lobes_07",)
 GOAL = 1e-3

@@ -480,7 +480,7 @@ def test_the_record_is_read_by_name(tmp_path: Path) -> None:
 
 
 def test_every_time_that_a_scene_asks_for_has_a_benchmark() -> None:
-    import rivals_models
+    from benchmarks import rivals_models
 
     for normals in ("ggx", "beckmann"):
         for material in (None, mf.Dielectric(1.3), mf.Conductor(1, 2)):

@@ -15,12 +15,13 @@ from typing import Any
 
 import microfacet as mf
 import numpy as np
-from method import ALPHA, Method, directions, uniform
 from microfacet.arithmetic import turn
 from microfacet.directions import spherical
 from microfacet.geometry.slopes import Distribution
 from microfacet.geometry.visible_normals import unstretched
 from microfacet.kernels import Batch
+
+from benchmarks.method import ALPHA, Method, directions, uniform
 
 Normal = tuple[float, float, float]
 SQRT_PI = 1.7724538509055161

@@ -10,12 +10,13 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from method import Method
 from microfacet.brdf import compensation, random_walk, specular
 from microfacet.enough import cost
 from microfacet.enough.candidates import Candidate, ladder
 from microfacet.enough.scene import NORMALS, PRECISIONS, Scene
 from microfacet.material.fresnel import Fresnel
+
+from benchmarks.method import Method
 
 SIZES, WALK_SIZES = (2 * 10**5,), (2 * 10**3,)
 

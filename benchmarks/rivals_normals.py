@@ -7,8 +7,9 @@ from typing import Any
 
 import microfacet as mf
 import numpy as np
-from method import ALPHA, LONG, Method, directions, worst
 from microfacet.geometry import slopes
+
+from benchmarks.method import ALPHA, LONG, Method, directions, worst
 
 BLOCK = 16384  # values that NumPy takes at once when blocked: its arrays stay in the cache
 NDF = mf.GGX(*ALPHA)

@@ -8,14 +8,15 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from method import Method, directions
 from microfacet import balls
 from microfacet.directions import spherical
 from microfacet.surface import gaussian, trace
 from microfacet.surface.gaussian import GaussianField
 from microfacet.surface.trace import HeightField
-from rivals_brdf import BRDF, brdf_library
-from rivals_integral import enclosed
+
+from benchmarks.method import Method, directions
+from benchmarks.rivals_brdf import BRDF, brdf_library
+from benchmarks.rivals_integral import enclosed
 
 VALUES = tuple(10**k for k in range(2, 9))
 GRIDS = tuple(2**k for k in range(8, 14))

@@ -9,7 +9,6 @@ from typing import Any
 import microfacet as mf
 import mpmath
 import numpy as np
-from method import Method
 from microfacet import balls
 from microfacet.directions import spherical
 from microfacet.validation import adaptive, equations
@@ -17,6 +16,8 @@ from microfacet.validation.adaptive import seen_area
 from microfacet.validation.equations import residual
 from microfacet.visibility import quadrature
 from scipy import integrate, special, stats
+
+from benchmarks.method import Method
 
 ROUGH, VIEW = 0.1, np.radians(75)
 COS, SIN = np.cos(VIEW), np.sin(VIEW)

@@ -7,8 +7,9 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 import numpy as np
-import rivals_rays
 from microfacet.processors import threads
+
+from benchmarks import rivals_rays
 
 MARGIN = 256  # cells around one period, which Embree does not repeat: more than a ray crosses below the highest point
 OFFSETS = (0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)

@@ -8,19 +8,21 @@ process of its own, or needs a compiler, has its place in yardsticks.py.
 
 from __future__ import annotations
 
-import rivals_brdf
-import rivals_estimate
-import rivals_fresnel
-import rivals_growth
-import rivals_integral
-import rivals_masking
-import rivals_models
-import rivals_normals
-import rivals_rays
-import rivals_render
-import rivals_sampling
-import rivals_tracing
-from method import Method
+from benchmarks import (
+    rivals_brdf,
+    rivals_estimate,
+    rivals_fresnel,
+    rivals_growth,
+    rivals_integral,
+    rivals_masking,
+    rivals_models,
+    rivals_normals,
+    rivals_rays,
+    rivals_render,
+    rivals_sampling,
+    rivals_tracing,
+)
+from benchmarks.method import Method
 
 QUANTITIES: dict[str, dict[str, Method]] = {
     "masking": rivals_masking.METHODS,

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from method import Method
+
+from benchmarks.method import Method
 
 RECORD = Path("records/benchmarks.json")
 

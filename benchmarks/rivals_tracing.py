@@ -11,11 +11,12 @@ from functools import cache, partial
 from typing import Any
 
 import numpy as np
-from method import Method
 from microfacet.directions import spherical
 from microfacet.surface import gaussian, measure, trace
 from microfacet.surface.gaussian import GaussianField
 from microfacet.surface.measure import Plan, shard
+
+from benchmarks.method import Method
 
 ALPHA, VIEW, CORRELATION = 0.7, np.radians(60.0), 16.0
 GRIDS, SIDES = (128, 256, 512, 1024), (16, 32, 64, 128, 256)

@@ -6,9 +6,10 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from method import LONG, Method, worst
 from microfacet.geometry.beckmann import Lambda as LAMBDA
 from scipy import special
+
+from benchmarks.method import LONG, Method, worst
 
 A = np.geomspace(0.01, 5, 400)
 LAMBDA_SIZES = (10**6,)

@@ -11,21 +11,21 @@ from typing import Any
 
 import numpy as np
 import pytest
+from microfacet.brdf.specular import Microfacet
+from microfacet.directions import spherical
 
-FOLDER = Path(__file__).parents[2] / "figures" / "speed"
-sys.path.insert(0, str(FOLDER))
-import bench  # noqa: E402
-import record  # noqa: E402
-import rivals  # noqa: E402
-import rivals_estimate  # noqa: E402
-import rivals_fresnel  # noqa: E402
-import rivals_growth  # noqa: E402
-import rivals_integral  # noqa: E402
-import rivals_rays  # noqa: E402
-import rivals_tracing  # noqa: E402
-import yardsticks  # noqa: E402
-from microfacet.brdf.specular import Microfacet  # noqa: E402
-from microfacet.directions import spherical  # noqa: E402
+from benchmarks import (
+    bench,
+    record,
+    rivals,
+    rivals_estimate,
+    rivals_fresnel,
+    rivals_growth,
+    rivals_integral,
+    rivals_rays,
+    rivals_tracing,
+    yardsticks,
+)
 
 FRESNEL = rivals_fresnel.METHODS
 EXACT = {"masking": 1e-6, "normals": 2e-6, "brdf": 2e-6, "sampling": 5e-6, "fresnel": 2e-6}

@@ -19,11 +19,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from method import ALPHA, directions, uniform, worst
 from microfacet.processors import threads
-from rivals_brdf import brdf_numpy, brdf_separable
-from rivals_rays import RAYS, TASKS, rays
-from rivals_sampling import misplaced
+
+from benchmarks.method import ALPHA, directions, uniform, worst
+from benchmarks.rivals_brdf import brdf_numpy, brdf_separable
+from benchmarks.rivals_rays import RAYS, TASKS, rays
+from benchmarks.rivals_sampling import misplaced
 
 CPP = """
 #include <cmath>
@@ -150,15 +151,15 @@ class Guest:
         self.entry = GUESTS[quantity][name]
         if importlib.util.find_spec(self.entry.package) is None:
             raise Refused("not installed")
-        here, self.files = Path(__file__).parent, Path(folder) / f"{name}_{size}"
+        root, self.files = Path(__file__).parents[1], (Path(folder) / f"{name}_{size}").absolute()
         self.files.mkdir()
         for file, array in zip(("wo", "other"), arguments(quantity, size, self.entry.real, self.entry.task), strict=True):
             np.save(self.files / f"{file}.npy", array)
         what = [self.entry.package, self.entry.task, str(self.files), *map(str, ALPHA)]
-        command = [sys.executable, str(here / "guest.py"), *what]
+        command = [sys.executable, "-m", "benchmarks.guest", *what]
         pipe = subprocess.PIPE
         with (self.files / "said").open("w") as said:
-            self.process = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=said, text=True)
+            self.process = subprocess.Popen(command, cwd=root, stdin=pipe, stdout=pipe, stderr=said, text=True)
         self.call()
 
     def call(self) -> None:

@@ -1,8 +1,8 @@
 """A guest's process: evaluates a BRDF, draws normals or traces rays, from arrays in a folder, once for each line it is told.
 
-    python figures/speed/guest.py jax brdf FOLDER ALPHA_X ALPHA_Y
-    python figures/speed/guest.py mitsuba brdf|ggx|beckmann FOLDER ALPHA_X ALPHA_Y
-    python figures/speed/guest.py embreex primary_sorted FOLDER ALPHA_X ALPHA_Y
+    python -m benchmarks.guest jax brdf FOLDER ALPHA_X ALPHA_Y
+    python -m benchmarks.guest mitsuba brdf|ggx|beckmann FOLDER ALPHA_X ALPHA_Y
+    python -m benchmarks.guest embreex primary_sorted FOLDER ALPHA_X ALPHA_Y
 
 It reads wo.npy and other.npy (lights, or random numbers; for rays, origins and directions), takes them apart into x, y and z
 if that suits it best, answers "done" to each line, and keeps what it found the first time as found.npy.
@@ -88,8 +88,7 @@ def embree(task: str) -> Callable[..., Callable[[], Any]]:
     """Its tracer, on the surface that the library's rays meet."""
 
     def prepared(origins: Any, ways: Any, ax: float, ay: float) -> Callable[[], Any]:
-        import embree
-        import rivals_rays
+        from benchmarks import embree, rivals_rays
 
         scene = embree.scene_of(rivals_rays.surface().heights)
         sharers = embree.Sharers(scene, origins, ways)

@@ -7,10 +7,11 @@ from typing import Any
 
 import microfacet as mf
 import numpy as np
-from method import ALPHA, LONG, Method, directions, uniform
 from microfacet.directions import spherical
 from microfacet.kernels import Batch
 from scipy import special
+
+from benchmarks.method import ALPHA, LONG, Method, directions, uniform
 
 SAMPLED = mf.Smith(mf.GGX(*ALPHA))
 GAUSSIAN = mf.Smith(mf.Beckmann(*ALPHA))

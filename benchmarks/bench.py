@@ -1,8 +1,8 @@
-"""Times every method of figures/speed/rivals.py, in turns, and puts the medians on record. Nothing else writes that record.
+"""Times every method of benchmarks/rivals.py, in turns, and puts the medians on record. Nothing else writes that record.
 
-    python figures/speed/bench.py                  all quantities
-    python figures/speed/bench.py sampling         only that one
-    python figures/speed/bench.py --rounds 3 --largest 1000 --record try.json     quickly, into another file
+    python -m benchmarks.bench                  all quantities
+    python -m benchmarks.bench sampling         only that one
+    python -m benchmarks.bench --rounds 3 --largest 1000 --record try.json     quickly, into another file
 
 In a round each method runs once, so that whatever else the machine does meets all of them alike. A machine with other work
 to do gives worthless times: the load is recorded with them.
@@ -25,11 +25,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import record
-import rivals
-import yardsticks
 from microfacet.processors import threads
 from report.datafile import put, refuse
+
+from benchmarks import record, rivals, yardsticks
 
 ROUNDS = 15
 LEAST = 3e-3  # seconds: a shorter call is repeated until it lasts so long, or it would be timed with cold caches

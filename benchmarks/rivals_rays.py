@@ -10,11 +10,12 @@ from functools import cache, partial
 from typing import Any
 
 import numpy as np
-from method import Method
 from microfacet.directions import reflect, spherical
 from microfacet.surface import trace
 from microfacet.surface.gaussian import GaussianField
 from microfacet.surface.trace import HeightField
+
+from benchmarks.method import Method
 
 SIDE, ALPHA, VIEW, TILE = 1024, 0.7, np.radians(60.0), 64
 RAYS = (10**6,)

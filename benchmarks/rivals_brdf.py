@@ -7,7 +7,8 @@ from typing import Any
 
 import microfacet as mf
 import numpy as np
-from method import ALPHA, LONG, Method, directions, worst
+
+from benchmarks.method import ALPHA, LONG, Method, directions, worst
 
 BLOCK = 16384  # values that NumPy takes at once when blocked: its arrays stay in the cache
 

@@ -1,7 +1,7 @@
 """Rays per second and false verdicts over sizes of surfaces, here and in Embree, in one run. Needs embreex; not a test.
 
-    python tests/surface/against_embree.py [nodes per side ...]             one thread each
-    MICROFACET_THREADS=2 python tests/surface/against_embree.py             two
+    python -m benchmarks.against_embree [nodes per side ...]             one thread each
+    MICROFACET_THREADS=2 python -m benchmarks.against_embree             two
 
 The two take turns, and the best of some runs counts: use the ratios. embreex has one thread; for more, as many processes share
 its rays. "Sorted" rays come tile by tile. False verdicts: facets that are seen but do not see back.
@@ -13,18 +13,16 @@ import os
 import sys
 import time
 from collections.abc import Callable
-from pathlib import Path
 
 os.environ.setdefault("MICROFACET_THREADS", "1")
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "figures" / "speed"))
-
 import numpy as np
-from embree import Sharers, scene_of
 from microfacet.directions import spherical
 from microfacet.surface.gaussian import GaussianField
 from microfacet.surface.trace import HeightField
+
+from benchmarks.embree import Sharers, scene_of
 
 RAYS, RUNS = 1_000_000, 7
 

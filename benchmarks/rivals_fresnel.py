@@ -7,8 +7,9 @@ from typing import Any
 
 import microfacet as mf
 import numpy as np
-from method import LONG, Method, worst
 from microfacet.kernels import Batch
+
+from benchmarks.method import LONG, Method, worst
 
 GLASS = 1.5
 EXACT, FITTED = mf.Dielectric(GLASS), mf.Schlick(((GLASS - 1) / (GLASS + 1)) ** 2)

@@ -12,9 +12,10 @@ from math import exp, sqrt
 from typing import Any
 
 import numpy as np
-from method import Method, uniform
 from microfacet.kernels import Batch
-from rivals_estimate import SAMPLERS, Sampler, kernel_of
+
+from benchmarks.method import Method, uniform
+from benchmarks.rivals_estimate import SAMPLERS, Sampler, kernel_of
 
 ALPHAS = (0.3, 0.3)
 
