@@ -13,7 +13,7 @@ import numpy as np
 from microfacet.brdf import compensation, random_walk, specular
 from microfacet.enough import cost
 from microfacet.enough.candidates import Candidate, ladder
-from microfacet.enough.scene import NORMALS, PRECISIONS, Scene
+from microfacet.enough.scene import PRECISIONS, Scene, normals_by_name
 from microfacet.material.fresnel import Fresnel
 
 from benchmarks.method import Method
@@ -45,14 +45,14 @@ def _model(one: Candidate, material: Fresnel) -> Method:
 
 def _sampler(sampler: str, normals: str, real: type) -> Method:
     guide = cost.guide(sampler, normals, cost.TIMED)
-    words = f"{NORMALS[normals].__name__}, {cost.SAMPLERS[sampler]}, {cost.precision_of(real)}"
+    words = f"{normals_by_name()[normals].__name__}, {cost.SAMPLERS[sampler]}, {cost.precision_of(real)}"
     code = (type(guide.model.ndf), guide.model.sampler or type(guide.model.ndf).sample_kernel)
     return Method(
         words, lambda size: cost.sampling(sampler, normals, real, size), lambda size: float(np.finfo(real).eps), SIZES, code
     )
 
 
-# Scenes over Gaussian slopes have all distributions among their models
+NORMALS = ("ggx", "beckmann")  # those of the models of a scene over Gaussian slopes
 METHODS = {
     cost.name_of(one, material): _model(one, material)
     for material in cost.MATERIALS.values()

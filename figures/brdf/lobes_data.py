@@ -7,11 +7,12 @@ from microfacet.brdf.specular import Microfacet
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
+from microfacet.validation.equations import INTEGRALS
 from microfacet.visibility.smith import Smith
 from microfacet.visibility.unphysical import Implicit, Kelemen
 from microfacet.visibility.v_cavity import VCavity
 from report.datafile import rounded, store
-from report.tables import CLASSIC, INTEGRALS, attempt
+from report.verdicts import CLASSIC, attempt
 
 DEGREES = 60.0
 MODELS = {

@@ -6,7 +6,7 @@ import numpy as np
 from faulty import beckmann_D_cosine, ggx_D_cosine
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
-from microfacet.validation.trust import ALPHA, PRECISIONS, TANGENT, D, map_of
+from microfacet.validation.accuracy import ALPHA, PRECISIONS, TANGENT, D, map_of
 from report.datafile import rounded, store
 
 METHODS = {"ggx": (GGX, ggx_D_cosine), "beckmann": (Beckmann, beckmann_D_cosine)}

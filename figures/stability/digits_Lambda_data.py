@@ -6,7 +6,7 @@ import numpy as np
 from faulty import beckmann_Lambda_erf, beckmann_Lambda_erfc, ggx_Lambda_difference, walter_Lambda
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
-from microfacet.validation.trust import ALPHA, PRECISIONS, TANGENT, Lambda, digits, directions, exact_Lambda, map_of
+from microfacet.validation.accuracy import ALPHA, PRECISIONS, TANGENT, Lambda, digits, directions, exact_Lambda, map_of
 from report.datafile import rounded, store
 
 MAPS = {

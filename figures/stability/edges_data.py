@@ -10,8 +10,8 @@ from microfacet.directions import spherical
 from microfacet.geometry.ggx import GGX
 from microfacet.statement import DIGITS
 from microfacet.surface.trace import ESCAPED, HeightField
-from microfacet.validation.trust import digits, exact_D, exact_Lambda
-from microfacet.validation.trust import rounded as as_seen
+from microfacet.validation.accuracy import digits, exact_D, exact_Lambda
+from microfacet.validation.accuracy import rounded as as_seen
 from microfacet.visibility.smith import Smith
 from report.datafile import rounded, store
 

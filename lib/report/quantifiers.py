@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -44,7 +45,7 @@ class Quantifier:
 
     @property
     def brief(self) -> str:
-        return f"every {self.every}" + (f" but {self.but}" if self.but else "")
+        return f"every {self.every}" + (f" but {self.but}" if self.but else "") if self.keys else "–"
 
     @property
     def words(self) -> str:
@@ -84,14 +85,14 @@ def _passes(name: str) -> Quantifier:
 
 
 def quantifiers() -> Mapping[str, Quantifier]:
-    """By row of the tables: for which parameters the row's verdict is proved."""
+    """By row of the tables: for which parameters the row's verdict is proved; for none where nobody has proved it."""
     kelemen = tuple(f"validation.table2.kelemen_{f}_{side}" for f in ("beckmann", "ggx") for side in ("above", "grazing"))
     crossing = (
         rf"too much up to ${STEEP[1]:g}^\circ$, too little from ${GRAZING[0]:g}^\circ$,"
         rf" for {_box_words({'alpha': KELEMEN_ROUGH})}"
     )
     view = _view_above(implicit_ggx, schlick_ggx, halved_ggx)
-    return {
+    proved = {
         "Blinn-Phong": Quantifier("fails", (phong.key,), "$n$", _only_exponent()),
         "Blinn-Phong, normalised": Quantifier("holds", (blinn_phong.normalized_projected_area.key,), "$n$"),
         "Ward": Quantifier("fails", (ward_area.key,), r"$\alpha$"),
@@ -110,3 +111,4 @@ def quantifiers() -> Mapping[str, Quantifier]:
             "over GGX; at the exception it is Smith's",
         ),
     }
+    return defaultdict(lambda: Quantifier("", (), ""), proved)

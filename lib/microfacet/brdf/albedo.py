@@ -18,12 +18,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from microfacet.directions import as_vectors
-from microfacet.geometry.beckmann import Beckmann
-from microfacet.geometry.blinn_phong import BlinnPhong, NormalizedBlinnPhong
-from microfacet.geometry.ggx import GGX
-from microfacet.geometry.ward import Ward
 from microfacet.kernels import Batch
-from microfacet.material.fresnel import Conductor, Dielectric, F82Tint, Fresnel, Mirror, Schlick
+from microfacet.material.fresnel import Conductor, Dielectric, Fresnel
 from microfacet.visibility.masking import Masking, between, nothing
 from microfacet.visibility.smith import JOINT, shadowed, view_of
 from microfacet.visibility.unphysical import Implicit, Kelemen, SchlickSmith
@@ -483,7 +479,6 @@ def _joined(first: Any, second: Any) -> Any:
     return type(first)(*(np.concatenate(both) for both in zip(first, second, strict=True)))
 
 
-FAMILIES = tuple(kind.kernel for kind in (GGX, Beckmann, Ward, BlinnPhong, NormalizedBlinnPhong))
 BY_AZIMUTH = tuple(between(shadowed(JOINT[name])) for name in ("direction", "height-direction"))
 CAVITIES = between(VCavity.G2_of_cosines)
 MODELS = (
@@ -491,7 +486,6 @@ MODELS = (
     *(between(kind.G2_of_cosines) for kind in (VCavity, Implicit, Kelemen, SchlickSmith)),
 )
 INDICES = (Dielectric.kernel, Conductor.kernel)
-REFLECTANCES = (Mirror.kernel, *INDICES, Schlick.kernel, F82Tint.kernel)
 ROUGH = 0.5  # roughness from which on light from the zenith is masked so much less than other that a ray is cut there
 UNEQUAL = 2.0  # ratio of roughnesses, likewise for light along the axis of the smaller
 NEVER = 4.0  # square of a cosine that no facet has
@@ -501,8 +495,8 @@ def reflected_share(model: Masking, fresnel: Fresnel) -> Reflected:
     """The same function for equal models. What is known of a model is known of its kernels: a class may change them."""
     ndf, kind = model.ndf, type(fresnel)
     parts = (type(ndf).kernel, model.view_kernel, model.shadowed_kernel, kind.kernel)
-    familiar, masked = type(ndf).kernel in FAMILIES, model.shadowed_kernel in MODELS and seen_as_usual(model)
-    effort = KNOWN if familiar and masked and kind.kernel in REFLECTANCES else UNKNOWN
+    familiar, masked = type(ndf).regular, model.shadowed_kernel in MODELS and seen_as_usual(model)
+    effort = KNOWN if familiar and masked and kind.regular else UNKNOWN
     rule = (ndf.reach, critical(fresnel), *effort.levels, bright(ndf.slope_scale))
     parameters = (model.parameters, fresnel.parameters, ndf.slope_scale, *rule)
     return Reflected((cuts_of(model), model.view_kernel, *parts), parameters, effort, ndf.isotropic and familiar and masked)

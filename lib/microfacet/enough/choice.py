@@ -22,7 +22,7 @@ from microfacet.directions import one_of, positive, whole
 from microfacet.enough import cost
 from microfacet.enough.candidates import Candidate, ladder
 from microfacet.enough.lobes import Array, Reference, Ruled, binned, lobe_of, nodes, surface, walked
-from microfacet.enough.scene import NORMALS, PRECISIONS, Point, Scene
+from microfacet.enough.scene import PRECISIONS, Point, Scene
 from microfacet.visibility.smith import Smith
 
 MEASURES = {
@@ -81,7 +81,7 @@ def sky(w: Array) -> Array:
 def _light(point: Point, scene: Scene) -> Array:
     """Mean radiance in each bin for each place of a ring of the sphere, (TURNS, ROWS, COLUMNS), as its whole light sees it."""
     rule = nodes(point)
-    weight = rule.weight * Microfacet(Smith(NORMALS[scene.normals](point.alpha_x, point.alpha_y))).evaluate(point.wo, rule.wi)
+    weight = rule.weight * Microfacet(Smith(point.ndf(scene.normals))).evaluate(point.wo, rule.wi)
     total = np.maximum(binned(weight), 1e-300)
     theta, phi = math.radians(point.theta), math.radians(point.phi)
     turned = rule.wi @ np.array([[math.cos(phi), -math.sin(phi), 0], [math.sin(phi), math.cos(phi), 0], [0, 0, 1]])
@@ -367,7 +367,8 @@ def _samplers(scene: Scene) -> dict[str, tuple[str, str, type]]:
     """The ways to draw directions for a scene, by name."""
     kinds = dict.fromkeys(one.normals for one in ladder(scene))
     reals = PRECISIONS[scene.precision]
-    return {cost.sampler_name(s, kind, real): (s, kind, real) for s in cost.SAMPLERS for kind in kinds for real in reals}
+    ways = [(s, kind) for s in cost.SAMPLERS for kind in kinds if s in cost.samplers_of(kind)]
+    return {cost.sampler_name(s, kind, real): (s, kind, real) for s, kind in ways for real in reals}
 
 
 def cheapest_first(scene: Scene, costs: cost.Costs) -> list[tuple[Candidate, float]]:
@@ -385,7 +386,8 @@ def choice(comparison: Comparison, measure: str, tolerance: float, costs: cost.C
         rows.append(Row(one, found, time, verdict))
     made = Choice(comparison.scene, tolerance, measure, tuple(rows), comparison.truth[0].words)
     if made.chosen:
-        samplers = {name: sampler(comparison, made.chosen.candidate, name, costs) for name in cost.SAMPLERS}
+        one = made.chosen.candidate
+        samplers = {name: sampler(comparison, one, name, costs) for name in cost.samplers_of(one.normals)}
         made = replace(made, sampler=sampler_words(samplers), samplers=samplers)
     return replace(made, beyond=walk_error(comparison, measure)) if beyond else made
 

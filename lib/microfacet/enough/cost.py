@@ -14,7 +14,7 @@ import numpy as np
 from microfacet.brdf.specular import Microfacet
 from microfacet.directions import spherical
 from microfacet.enough.candidates import Candidate
-from microfacet.enough.scene import NORMALS, Point
+from microfacet.enough.scene import Point, normals_by_name
 from microfacet.material.fresnel import Conductor, Dielectric, Fresnel, Mirror
 from microfacet.visibility.smith import Smith
 from microfacet.visibility.v_cavity import VCavity
@@ -56,9 +56,16 @@ def evaluation(one: Candidate, material: Fresnel, count: int) -> Call:
     return lambda: evaluate(wo, wi)
 
 
+def samplers_of(normals: str) -> list[str]:
+    """The ways to draw directions that a distribution has."""
+    kind = normals_by_name()[normals]
+    kernels = {"normals": kind.sample_kernel, "visible": kind.sample_visible_kernel}
+    return [name for name in SAMPLERS if kernels[name] is not None]
+
+
 def guide(sampler: str, normals: str, point: Point) -> Microfacet:
     """A BRDF whose `sample` and `pdf` are those of all normals or of visible ones."""
-    ndf = NORMALS[normals](point.alpha_x, point.alpha_y)
+    ndf = point.ndf(normals)
     return Microfacet(VCavity(ndf) if sampler == "normals" else Smith(ndf))
 
 

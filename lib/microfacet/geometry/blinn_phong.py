@@ -377,6 +377,10 @@ def gamma_ratio(a: Any) -> Any:
 class BlinnPhong(Distribution):
     """cos^n theta_m, not normalised: projected area 2 pi/(n+2). n within `POWER_LIMITS`, a number or an array. blinn1977."""
 
+    label, cite = "Blinn-Phong", "blinn1977"
+    statements: ClassVar = {"D": D, "projected_area": projected_area}
+    regular = True
+
     kernel = staticmethod(packed(power_of_cosine, 3, 1))
     sample_kernel: ClassVar[Callable[..., tuple[float, float]] | None] = staticmethod(kernel_sample)
     sampled_kernel = staticmethod(packed(normalized_power, 3, 1))
@@ -400,6 +404,10 @@ class BlinnPhong(Distribution):
 
 class NormalizedBlinnPhong(BlinnPhong):
     """(n+2)/(2 pi) cos^n theta_m. n above 0. heitz2014."""
+
+    label, cite = "Blinn-Phong, normalised", "heitz2014"
+    statements: ClassVar = {"D": normalized_D, "projected_area": normalized_projected_area}
+    regular = True
 
     kernel = BlinnPhong.sampled_kernel
     sample_kernel, closed_Lambda = BlinnPhong.sample_kernel, BlinnPhong.closed_Lambda

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from itertools import product
 from math import atan, pi, sqrt
-from typing import Any
+from typing import Any, ClassVar
 
 import sympy as sp
 
@@ -310,6 +310,10 @@ def lobe_of_numbers(ox: float, oy: float, oz: float, ix: float, iy: float, iz: f
 
 class GGX(Stretched):
     """GGX with roughness alpha_x along x and alpha_y along y (equal if omitted), from 1e-11 to 1e11. walter2007; heitz2014."""
+
+    label, cite = "GGX", "walter2007"
+    statements: ClassVar = {"D": D, "Lambda": Lambda, "projected_area": projected_area}
+    regular = True
 
     kernel = staticmethod(packed(D.scalar, 3, 2))
     sample_kernel = staticmethod(kernel_sample)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 import sympy as sp
 
@@ -74,6 +74,10 @@ def kernel_excess(x: float, y: float, z: float, p: Any) -> float:
 
 class Ward(Stretched):
     """Ward's distribution with roughness alpha_x, alpha_y (equal if omitted), from 1e-11 to 1e11. ward1992."""
+
+    label, cite = "Ward", "ward1992"
+    statements: ClassVar = {"D": D, "projected_area": projected_area}
+    regular = True
 
     kernel = staticmethod(packed(compensated_D, 3, 2))
     sample_kernel = staticmethod(kernel_sample)

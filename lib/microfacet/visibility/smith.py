@@ -374,6 +374,8 @@ class Smith(Masking):
     "height-direction". Lambda is a closed form where the distribution has one, otherwise a quadrature.
     """
 
+    label, cite = "Smith", "smith1967"
+
     def __init__(self, ndf: Distribution, correlation: str = "height") -> None:
         super().__init__(ndf)
         self.correlation = one_of("correlation", correlation, JOINT)

@@ -174,6 +174,8 @@ def schlick_shadowed(
 class Implicit(Masking):
     """G2 = cos theta_o cos theta_i, which leaves D F/4 of the BRDF. Fails the validation equations. hoffman2010."""
 
+    label, cite = "Implicit", "hoffman2010"
+
     view_kernel = staticmethod(nothing)
     G1_of_cosine = staticmethod(implicit_masked)
     G2_of_cosines = staticmethod(implicit_shadowed)
@@ -181,6 +183,8 @@ class Implicit(Masking):
 
 class Kelemen(Masking):
     """G2 = cos theta_o cos theta_i/(wo.wm)^2. Fails the validation equations. kelemen2001."""
+
+    label, cite = "Kelemen", "kelemen2001"
 
     view_kernel = staticmethod(nothing)
     G1_of_cosine = staticmethod(kelemen_masked)
@@ -193,6 +197,8 @@ class SchlickSmith(Masking):
     k: above 0, a number or an array; by default alpha sqrt(2/pi) with the larger roughness of the distribution. Games often use
     alpha/2. ValueError for others, and where the distribution has no roughness and no k is given.
     """
+
+    label, cite = "Schlick-Smith", "schlick1994"
 
     view_kernel = staticmethod(nothing)
     G1_of_cosine = staticmethod(schlick_masked)

@@ -134,6 +134,8 @@ def shadowed(
 class VCavity(Masking):
     """V-cavities over a distribution with opposite facets, D(theta, phi) = D(theta, phi + pi). cook1982."""
 
+    label, cite = "V-cavities", "cook1982"
+
     view_kernel = staticmethod(nothing)
     G1_of_cosine = staticmethod(masked)
     G2_of_cosines = staticmethod(shadowed)
