@@ -36,7 +36,7 @@ lint: $(READY)
 	@$(BIN)/ruff check
 	@$(BIN)/ruff format --check
 	@$(BIN)/mypy
-	@$(BIN)/python workflow/direction.py
+	@PYTHONPATH=lib:. $(BIN)/lint-imports --no-cache --no-logo
 	@$(BIN)/snakemake --lint
 
 record: $(READY)

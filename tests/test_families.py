@@ -34,7 +34,7 @@ from microfacet.material.fresnel import Fresnel
 from microfacet.statement import Equation
 from microfacet.validation import trust
 from report import quantifiers, tables
-import samples, sympy
+import sympy
 
 class Twin(mf.GGX):
     label = "twin"
@@ -44,6 +44,8 @@ class Other(mf.Implicit):
 
 class Tinted(mf.Schlick):
     label = "tinted"
+
+import samples
 
 scene = Scene(0.3, normals="steep", bounces="one", fresnel=Tinted(0.5))
 stated = Equation(key="zoo.steep.D", title="", symbol=sympy.Symbol("z"), equals=sympy.Integer(1))
