@@ -12,10 +12,11 @@ import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
 from microfacet.brdf.albedo import GAUSS, KRONROD, PLACES
+from microfacet.brdf.base import BRDF
+from microfacet.brdf.cosine_table import CosineTable
 from microfacet.directions import as_vectors, positive, spherical
 from microfacet.geometry.slopes import P22_at_m, normals_from_slopes, normals_integral, solid_angle
 from microfacet.kernels import Batch
-from microfacet.model import Model
 from microfacet.notation import G1, G2, P22, chi, mu_i, mu_o, phi, phi_i, raw, theta_i, theta_o, wm, x, y
 from microfacet.statement import Equation
 from microfacet.visibility.masking import Masking
@@ -416,7 +417,10 @@ def light_directions(heights: int, turns: int) -> tuple[np.ndarray, np.ndarray]:
     return spherical(np.arccos(z), azimuth).reshape(-1, 3), weight
 
 
-class Diffuse(Model):
+EVEN = CosineTable()
+
+
+class Diffuse(BRDF):
     """The BRDF of matt facets over a model of masking and shadowing, by quadrature. oren1994; heitz2014.
 
     albedo: the share of light that a facet scatters, in (0, 1]. Light that meets a second facet is not followed. Values have
@@ -452,12 +456,18 @@ class Diffuse(Model):
         value, error = both.astype(dtype).reshape(2, *shape)
         return value[()], error[()]
 
-    def albedo(self, wo: ArrayLike) -> NDArray[Any]:
-        """Share of light from wo that leaves again, shapes (..., 3) -> (...), by quadrature over the hemisphere."""
-        return self.albedo_with_error(wo)[0]
+    def sample(self, wo: ArrayLike, u: ArrayLike) -> NDArray[Any]:
+        """Light directions with density cos theta_i/pi, shapes (..., 3) and (..., 2) -> (..., 3), for u in [0, 1); the zero
+        vector where wo is below the horizon. What a sample weighs is pi times the BRDF, which varies little."""
+        return EVEN.sample(wo, u)
+
+    def pdf(self, wo: ArrayLike, wi: ArrayLike) -> NDArray[Any]:
+        """Density of `sample`, 1/sr, shapes (..., 3) -> (...); 0 if either direction is below the horizon."""
+        return EVEN.pdf(wo, wi)
 
     def albedo_with_error(self, wo: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
-        """The albedo, and a bound of its error, from coarser rules, from the errors of the BRDF, and from rounding."""
+        """The albedo by quadrature over the hemisphere, and a bound of its error, from coarser rules, from the errors of the
+        BRDF, and from rounding; shapes (..., 3) -> (...)."""
         views = as_vectors("wo", wo)
         wide = views.astype(np.float64)
         sums = []

@@ -17,6 +17,7 @@ import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
 from microfacet import balls
+from microfacet.brdf.base import BRDF
 from microfacet.brdf.later_bounces import SecondFacets
 from microfacet.brdf.specular import D_h, Microfacet, mu
 from microfacet.confidence import mean_bound
@@ -26,7 +27,6 @@ from microfacet.geometry.facets import ggx_facet
 from microfacet.geometry.ggx import GGX
 from microfacet.kernels import Batch
 from microfacet.material.fresnel import Fresnel, Mirror
-from microfacet.model import Model
 from microfacet.notation import F, Lambda_i, Lambda_o, a, chi, om, raw, u, v
 from microfacet.statement import Equation
 from microfacet.streams import drawn, stream
@@ -356,6 +356,14 @@ class Estimate(NamedTuple):
     error: Any
 
 
+class Walks(NamedTuple):
+    """Where light leaves (..., 3), what it weighs (...), the product of all reflectances, and after how many bounces (...)."""
+
+    wi: Any
+    weight: Any
+    bounces: Any
+
+
 class Bounces(NamedTuple):
     """Shares of the light by the number of bounces: (..., n) for 1 to n of them, with standard errors.
 
@@ -396,7 +404,7 @@ class Later(NamedTuple):
         return gone, float(mean_bound(np.mean(each**2), counts.max(), len(left))), under_way
 
 
-class RandomWalk(Model):
+class RandomWalk(BRDF):
     """Light after any number of bounces on a surface of Smith's model, height-correlated, over GGX or Beckmann. heitz2016.
 
     model: such a model. fresnel: the reflectance of a facet (None: F = 1); what a facet does not reflect is lost, as in a
@@ -415,18 +423,28 @@ class RandomWalk(Model):
         self.parameters = self.single.parameters
         self._kernels = (model.view_kernel, facet, type(self.fresnel).kernel)
 
-    def sample(self, wo: ArrayLike, u: ArrayLike) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
-        """Light directions wi (..., 3) with density in proportion to the BRDF of F = 1 times their cosine, what each
-        weighs (...), which is the product of all reflectances, and the number of bounces (...), for wo (..., 3) and u
-        (..., 2) in [0, 1). u names the walk: all its random numbers are drawn from a stream that u starts.
-        Zero vectors of weight and bounces 0 where wo is below the horizon, and weight 0 after `LONGEST` bounces."""
+    def walk(self, wo: ArrayLike, u: ArrayLike) -> Walks:
+        """Walks from wo (..., 3), one for each u (..., 2) in [0, 1): where light leaves, its weight, its bounces.
+
+        u names the walk: all its random numbers are drawn from a stream that u starts. Zero vectors of weight 0 where wo is
+        below the horizon, after 0 bounces, and where light has not left after `LONGEST`.
+        """
         wo, u = as_vectors("wo", wo), as_uniform("u", u)
         found = self._walked(wo, u)
-        wi, weight, bounces = found[..., :3], found[..., 3], found[..., 4]
+        left = found[..., 2] > 0
         real = np.float32 if wo.dtype == u.dtype == np.float32 else np.float64
-        return wi.astype(real), np.where(wi[..., 2] > 0, weight, 0.0).astype(real), bounces.astype(np.int64)
+        wi, weight = np.where(left[..., None], found[..., :3], 0.0), np.where(left, found[..., 3], 0.0)
+        return Walks(wi.astype(real), weight.astype(real), found[..., 4].astype(np.int64))
 
-    def evaluate(self, wo: ArrayLike, wi: ArrayLike, walks: int = 256, seed: int = 0) -> Estimate:
+    def sample(self, wo: ArrayLike, u: ArrayLike) -> NDArray[Any]:
+        """Light directions of `walk`, shapes (..., 3) and (..., 2) -> (..., 3), with the density of `pdf_with_error`."""
+        return self.walk(wo, u).wi
+
+    def evaluate(self, wo: ArrayLike, wi: ArrayLike, walks: int = 256, seed: int = 0) -> NDArray[Any]:
+        """The BRDF, 1/sr, shapes (..., 3) -> (...), by `evaluate_with_error`; 0 if either direction is below the horizon."""
+        return self.evaluate_with_error(wo, wi, walks, seed).value
+
+    def evaluate_with_error(self, wo: ArrayLike, wi: ArrayLike, walks: int = 256, seed: int = 0) -> Estimate:
         """The BRDF, 1/sr, shapes (..., 3) -> (...): the first bounce exactly, later ones as a mean over so many walks from
         wo; 0 if either direction is below the horizon. The error is a bound, but for odds of 1e-5, if no walk sends much more
         to wi than the one that sends most did: five standard errors and 38 times this walk's part in the mean."""
@@ -435,9 +453,19 @@ class RandomWalk(Model):
         error = mean_bound(_scatter(found, count)[..., 1] ** 2 * count, found[..., 4], count)
         return Estimate(once + found[..., 1].astype(once.dtype), error.astype(once.dtype))
 
+    def pdf(self, wo: ArrayLike, wi: ArrayLike, walks: int = 256, seed: int = 0) -> NDArray[Any]:
+        """Density of `sample`, 1/sr, shapes (..., 3) -> (...), as `pdf_with_error` has it."""
+        return self.pdf_with_error(wo, wi, walks, seed).value
+
+    def pdf_with_error(self, wo: ArrayLike, wi: ArrayLike, walks: int = 256, seed: int = 0) -> Estimate:
+        """The density as the BRDF of F = 1 times cos theta_i, by the walks of `evaluate`, and its error as there."""
+        mirrors = self if isinstance(self.fresnel, Mirror) else RandomWalk(self.model)
+        found, cosine = mirrors.evaluate_with_error(wo, wi, walks, seed), np.maximum(as_vectors("wi", wi)[..., 2], 0)
+        return Estimate(found.value * cosine, found.error * cosine)
+
     def connections(self, wo: ArrayLike, wi: ArrayLike, walks: int = 256, seed: int = 0) -> tuple[Estimate, Estimate]:
         """The BRDF of the first bounce and that of all later ones, both as means over walks, 1/sr, (..., 3) -> (...), with
-        standard errors. Where hardly any walk sends much to wi, these are too small; the error of `evaluate` is not."""
+        standard errors. Where hardly any walk sends much to wi, these are too small; that of `evaluate_with_error` is not."""
         found = self._connected(wo, wi, walks, seed)
         error = _scatter(found, whole("walks", walks, 2))
         return Estimate(found[..., 0], error[..., 0]), Estimate(found[..., 1], error[..., 1])
@@ -454,7 +482,11 @@ class RandomWalk(Model):
             found[..., 4] = np.maximum(found[..., 4], part[..., 4])
         return found / [count, count, count, count, 1]
 
-    def albedo(self, wo: ArrayLike, walks: int = 65536, seed: int = 0) -> Estimate:
+    def albedo(self, wo: ArrayLike, walks: int = 65536, seed: int = 0) -> NDArray[Any]:
+        """Share of light from wo that is reflected, shapes (..., 3) -> (...), as `albedo_with_error` has it."""
+        return self.albedo_with_error(wo, walks, seed).value
+
+    def albedo_with_error(self, wo: ArrayLike, walks: int = 65536, seed: int = 0) -> Estimate:
         """Share of light from wo (..., 3) that is reflected (...): the first bounce by quadrature, later ones by walks.
 
         All walks go on after the first bounce (`later`), and the share of light that does so is known from the quadrature. The

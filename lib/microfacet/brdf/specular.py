@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from microfacet import balls
 from microfacet.brdf.albedo import Reflected, reflected_share
+from microfacet.brdf.base import BRDF
 from microfacet.directions import as_vectors, uniform, vectors
 from microfacet.geometry.slopes import drawn_from, excess_over_drawn
 from microfacet.geometry.visible_normals import HORIZON
@@ -299,7 +300,7 @@ def normals_weight(
 # --- the model --------------------------------------------------------------------------------------------------------
 
 
-class Microfacet(Parametric):
+class Microfacet(Parametric, BRDF):
     """The BRDF of mirror facets: model of masking and shadowing, and Fresnel reflectance (None: F = 1). walter2007.
 
     Parameters that are arrays broadcast with the directions: a roughness per pixel, or, with directions (..., 1, 3), three
@@ -355,10 +356,6 @@ class Microfacet(Parametric):
         else:
             rule = visible_weight(model.view_kernel, model.G1_of_cosine, *parts[1:])
         return rule([vectors("wo", wo), vectors("wi", wi)], self.parameters)
-
-    def albedo(self, wo: ArrayLike) -> NDArray[Any]:
-        """Share of light from wo that is reflected, shapes (..., 3) -> (...); 0 below the horizon. By quadrature."""
-        return self.albedo_with_error(wo)[0]
 
     def albedo_with_error(self, wo: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
         """The albedo, and a bound of its error: some 1e-9 of it, more where distributions or models of your own have kinks.

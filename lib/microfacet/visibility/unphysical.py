@@ -1,4 +1,4 @@
-"""Masking functions that no surface has: Implicit, Kelemen, Schlick-Smith. Here to be measured, not to be recommended."""
+"""Masking functions that no surface with the same normals has: Implicit, Kelemen, Schlick-Smith. Here to be measured."""
 
 from __future__ import annotations
 
