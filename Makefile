@@ -36,7 +36,7 @@ lint: $(READY)
 	@$(BIN)/ruff check
 	@$(BIN)/ruff format --check
 	@$(BIN)/mypy
-	@$(BIN)/python workflow/direction.py
+	@PYTHONPATH=lib:. $(BIN)/lint-imports --no-cache --no-logo
 	@$(BIN)/snakemake --lint
 
 record: $(READY)
@@ -44,7 +44,7 @@ record: $(READY)
 	@$(BIN)/python workflow/ledger.py renew build/ledger.json records/ledger.json
 
 bench: $(READY)
-	@PYTHONPATH=lib $(BIN)/python figures/speed/bench.py $(NAME)
+	@PYTHONPATH=lib $(BIN)/python -m benchmarks.bench $(NAME)
 
 # The environment: an interpreter that is new enough, uv by its hash, then everything else by its.
 $(READY): requirements.lock pyproject.toml

@@ -3,7 +3,6 @@
 import sys
 
 import numpy as np
-from microfacet.datafile import rounded, store
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
@@ -11,6 +10,7 @@ from microfacet.geometry.roughness import SlopeScale
 from microfacet.kernels import Batch
 from microfacet.visibility.masking import ModelParameters
 from microfacet.visibility.smith import Smith, alpha_o, quadrature_Lambda
+from report.datafile import rounded, store
 
 ALPHAS = (0.2, 0.6)
 DEGREES, SHOWN = 75.0, 35.0

@@ -3,14 +3,13 @@
 import sys
 
 import numpy as np
-from microfacet.datafile import rounded, store
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX, ggx_Lambda
-from microfacet.validation.equations import TOLERANCE, residuals
-from microfacet.validation.tables import decide
+from microfacet.validation.equations import TOLERANCE, decide, residuals
 from microfacet.visibility.smith import Smith
 from microfacet.visibility.v_cavity import VCavity
+from report.datafile import rounded, store
 
 ALPHAS, FLOOR = (0.1, 0.6), 1e-10
 ROUGHNESS = (0.05, 0.1, 0.25, 0.5, 1.0)

@@ -4,7 +4,6 @@ import sys
 from functools import cache
 
 import numpy as np
-from microfacet.datafile import rounded, store
 from microfacet.directions import spherical
 from microfacet.geometry import beckmann, ggx
 from microfacet.geometry.beckmann import Beckmann
@@ -16,6 +15,7 @@ from microfacet.surface.trace import HeightField
 from microfacet.validation.equations import ABOVE
 from microfacet.visibility.masking import no_Lambda
 from microfacet.visibility.quadrature import Seen, seen_batch
+from report.datafile import rounded, store
 
 CHECKED = np.linspace(0.1, 1.0, 10)
 MADE = np.linspace(0.2, 1.0, 5)

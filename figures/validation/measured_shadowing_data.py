@@ -3,14 +3,14 @@
 import sys
 
 import numpy as np
-from microfacet.datafile import rounded, store
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
-from microfacet.surface.campaign import CAMPAIGN, read
 from microfacet.surface.compare import lit_of
 from microfacet.surface.measure import estimate
 from microfacet.visibility.smith import CORRELATIONS, Smith
 from microfacet.visibility.v_cavity import VCavity
+from report.campaign import CAMPAIGN, read
+from report.datafile import rounded, store
 
 ENTRIES = ("azimuths_04", "azimuths_07", "azimuths_10")
 DEGREES = 60.0  # of the view

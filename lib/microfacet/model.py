@@ -6,9 +6,11 @@ import copy
 import inspect
 from collections.abc import Mapping
 from functools import cache
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
+
+labelled: dict[tuple[str, str], type[Model]] = {}  # by module and name, so that a class that is made again replaces itself
 
 
 class Model:
@@ -21,6 +23,14 @@ class Model:
     """
 
     _given: tuple[tuple[Any, ...], dict[str, Any]]
+    label: ClassVar[str]  # the name of a family in tables, and `cite` its source; see `families`
+    cite: ClassVar[str] = ""
+
+    def __init_subclass__(cls) -> None:
+        """A class with a label of its own is a family."""
+        super().__init_subclass__()
+        if "label" in vars(cls):
+            labelled[cls.__module__, cls.__qualname__] = cls
 
     def __new__(cls, *args: Any, **kwargs: Any) -> Self:
         made = super().__new__(cls)
@@ -54,7 +64,7 @@ def _own(given: Any) -> Any:
 
 
 @cache
-def _signature(cls: Any) -> inspect.Signature:
+def signature(cls: Any) -> inspect.Signature:
     """Of its constructor, without self."""
     whole = inspect.signature(cls.__init__)
     return whole.replace(parameters=list(whole.parameters.values())[1:])
@@ -64,7 +74,7 @@ def arguments(model: Model) -> inspect.BoundArguments:
     """The arguments of its class by name, as the model has them now or else as they were given."""
     args, kwargs = model._given
     cls: Any = type(model)
-    bound = _signature(cls).bind(*args, **kwargs)
+    bound = signature(cls).bind(*args, **kwargs)
     bound.apply_defaults()
     for name, value in bound.arguments.items():
         bound.arguments[name] = vars(model).get(name, value)

@@ -54,7 +54,11 @@ def test_a_subclass_is_as_quick_and_as_able_as_its_base() -> None:
 
 def test_another_D_keeps_nothing_of_its_base() -> None:
     ndf = Flat(0.3)
-    assert {name: getattr(ndf, name) for name in OF_D} == dict.fromkeys(OF_D) | {"reach": np.inf}
+    assert {name: getattr(ndf, name) for name in OF_D} == dict.fromkeys(OF_D) | {
+        "reach": np.inf,
+        "statements": {},
+        "regular": False,
+    }
     np.testing.assert_allclose(ndf.D(WO), 1 / np.pi, rtol=1e-15)
     half = 1 / (1 + mf.Smith(ndf).G1(WO, UP) ** -1 - 1)
     assert (half < 1).all()

@@ -18,12 +18,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from microfacet.directions import as_vectors
-from microfacet.geometry.beckmann import Beckmann
-from microfacet.geometry.blinn_phong import BlinnPhong, NormalizedBlinnPhong
-from microfacet.geometry.ggx import GGX
-from microfacet.geometry.ward import Ward
 from microfacet.kernels import Batch, Count, Pair, Vector
-from microfacet.material.fresnel import Conductor, Dielectric, F82Tint, Fresnel, Mirror, Schlick
+from microfacet.material.fresnel import Conductor, Dielectric, Fresnel
 from microfacet.visibility.masking import G2_of_facet, Masking, no_Lambda
 from microfacet.visibility.smith import G2_BY_CORRELATION, Lambda_of
 from microfacet.visibility.unphysical import Implicit, Kelemen, SchlickSmith
@@ -486,7 +482,6 @@ def _joined(first: Any, second: Any) -> Any:
     return type(first)(*(np.concatenate(both) for both in zip(first, second, strict=True)))
 
 
-FAMILIES = tuple(kind.kernel for kind in (GGX, Beckmann, Ward, BlinnPhong, NormalizedBlinnPhong))
 BY_AZIMUTH = tuple(G2_of_facet(G2_BY_CORRELATION[name]) for name in ("direction", "height-direction"))
 CAVITIES = G2_of_facet(VCavity.G2_kernel)
 MODELS = (
@@ -494,7 +489,6 @@ MODELS = (
     *(G2_of_facet(kind.G2_kernel) for kind in (VCavity, Implicit, Kelemen, SchlickSmith)),
 )
 INDICES = (Dielectric.kernel, Conductor.kernel)
-REFLECTANCES = (Mirror.kernel, *INDICES, Schlick.kernel, F82Tint.kernel)
 ROUGH = 0.5  # roughness from which on light from the zenith is masked so much less than other that a ray is cut there
 UNEQUAL = 2.0  # ratio of roughnesses, likewise for light along the axis of the smaller
 NEVER = 4.0  # square of a cosine that no facet has
@@ -504,8 +498,8 @@ def reflected_share(model: Masking, fresnel: Fresnel) -> Reflected:
     """The same function for equal models. What is known of a model is known of its kernels: a class may change them."""
     ndf, kind = model.ndf, type(fresnel)
     parts = (type(ndf).kernel, model.Lambda_kernel, model.G2_of_facet, kind.kernel)
-    familiar, masked = type(ndf).kernel in FAMILIES, model.G2_of_facet in MODELS and Lambda_as_usual(model)
-    effort = KNOWN if familiar and masked and kind.kernel in REFLECTANCES else UNKNOWN
+    familiar, masked = type(ndf).regular, model.G2_of_facet in MODELS and Lambda_as_usual(model)
+    effort = KNOWN if familiar and masked and kind.regular else UNKNOWN
     (first, levels), (scale_x, scale_y) = map(Count, effort.levels), ndf.slope_scale
     rule = (scale_x, scale_y, ndf.reach, critical(fresnel), first, levels, Count(bright(ndf.slope_scale)))
     parameters = AlbedoParameters(model.parameters.ndf, model.parameters.model, fresnel.parameters, *rule)

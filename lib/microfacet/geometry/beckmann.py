@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import product
 from math import log1p, sqrt
-from typing import Any
+from typing import Any, ClassVar
 
 import mpmath
 import sympy as sp
@@ -252,6 +252,10 @@ def kernel_sample(u: Pair, p: Alphas) -> Pair:
 
 class Beckmann(Stretched):
     """Beckmann with roughness alpha_x along x and alpha_y along y (equal if omitted), from 1e-11 to 1e11. heitz2014."""
+
+    label, cite = "Beckmann", "heitz2014"
+    statements: ClassVar = {"D": D, "Lambda": Lambda, "projected_area": projected_area}
+    regular = True
 
     kernel = staticmethod(kernel_D)
     sample_kernel = staticmethod(kernel_sample)

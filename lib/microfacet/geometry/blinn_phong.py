@@ -391,6 +391,10 @@ def gamma_ratio(a: Any) -> Any:
 class BlinnPhong(Distribution):
     """cos^n theta_m, not normalised: projected area 2 pi/(n+2). n within `POWER_LIMITS`, a number or an array. blinn1977."""
 
+    label, cite = "Blinn-Phong", "blinn1977"
+    statements: ClassVar = {"D": D, "projected_area": projected_area}
+    regular = True
+
     kernel: ClassVar[Callable[..., float]] = staticmethod(kernel_D)
     sample_kernel: ClassVar[Callable[..., Pair] | None] = staticmethod(kernel_sample)
     sampled_kernel: ClassVar[Callable[..., float] | None] = staticmethod(kernel_normalized_D)
@@ -414,6 +418,10 @@ class BlinnPhong(Distribution):
 
 class NormalizedBlinnPhong(BlinnPhong):
     """(n+2)/(2 pi) cos^n theta_m. n above 0. heitz2014."""
+
+    label, cite = "Blinn-Phong, normalised", "heitz2014"
+    statements: ClassVar = {"D": normalized_D, "projected_area": normalized_projected_area}
+    regular = True
 
     kernel = staticmethod(kernel_normalized_D)
     sample_kernel, closed_Lambda = BlinnPhong.sample_kernel, BlinnPhong.closed_Lambda

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from itertools import product
 from math import atan, pi, sqrt
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import sympy as sp
 
@@ -306,6 +306,10 @@ def lobe_of_arrays(wo: Vector, wi: Vector, p: Alphas) -> float:
 
 class GGX(Stretched):
     """GGX with roughness alpha_x along x and alpha_y along y (equal if omitted), from 1e-11 to 1e11. walter2007; heitz2014."""
+
+    label, cite = "GGX", "walter2007"
+    statements: ClassVar = {"D": D, "Lambda": Lambda, "projected_area": projected_area}
+    regular = True
 
     kernel = staticmethod(kernel_D)
     sample_kernel = staticmethod(kernel_sample)

@@ -8,7 +8,7 @@ the class offers a closed form.
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import cache, cached_property
 from math import cos, inf, log, pi, sin, sqrt
 from typing import Any, ClassVar
@@ -114,7 +114,8 @@ with sp.evaluate(False):
 
 
 OF_LAMBDA = ("sample_visible_kernel", "facet_kernel", "smith_lobe")
-OF_D = ("reach", "sample_kernel", "sample_density", "sampled_kernel", "excess_kernel", "closed_Lambda", *OF_LAMBDA)
+OF_SAMPLES = ("sample_kernel", "sample_density", "sampled_kernel", "excess_kernel")
+OF_D = ("statements", "regular", "reach", *OF_SAMPLES, "closed_Lambda", *OF_LAMBDA)
 MADE_FOR = {"kernel": OF_D, "closed_Lambda": OF_LAMBDA}
 
 
@@ -139,6 +140,8 @@ class Distribution(Parametric):
     sample_visible_kernel: ClassVar[Callable[..., Vector] | None] = None
     # the facet that a ray towards -v meets, from above or below: facet(v, u, key, at, parameters), see `streams`
     facet_kernel: ClassVar[Callable[..., Vector] | None] = None
+    statements: ClassVar[Mapping[str, Equation]] = {}  # of D, Lambda and projected_area, as far as the family states them
+    regular: ClassVar[bool] = False  # whether few nodes suffice for integrals over its lobe; if not, more are taken
     parameters: Parameters
     alpha: tuple[float, float] | None = None
     reach: ClassVar[float] = inf

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 import sympy as sp
 
@@ -80,6 +80,10 @@ def kernel_excess(wm: Vector, p: Alphas) -> float:
 
 class Ward(Stretched):
     """Ward's distribution with roughness alpha_x, alpha_y (equal if omitted), from 1e-11 to 1e11. ward1992."""
+
+    label, cite = "Ward", "ward1992"
+    statements: ClassVar = {"D": D, "projected_area": projected_area}
+    regular = True
 
     kernel = staticmethod(kernel_D)
     sample_kernel = staticmethod(kernel_sample)

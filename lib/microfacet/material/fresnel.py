@@ -358,7 +358,14 @@ class Fresnel(Parametric):
     """
 
     kernel: ClassVar[Callable[..., float]]  # F(cosine, parameters)
+    regular: ClassVar[bool] = False  # whether few nodes suffice for integrals over it; if not, more are taken
     parameters: Parameters
+
+    def __init_subclass__(cls) -> None:
+        """What is known of another kernel is not known of its own."""
+        super().__init_subclass__()
+        if "kernel" in vars(cls) and "regular" not in vars(cls):
+            cls.regular = False
 
     def F(self, cosine: ArrayLike) -> NDArray[Any]:
         """Reflectance in [0, 1] at cosines in [0, 1], which rounding may have left by 1e-5; any shape."""
@@ -451,12 +458,18 @@ def _number(name: str, value: Any) -> float:
 class Mirror(Fresnel):
     """Perfect mirrors: F = 1."""
 
+    label = "perfect mirrors"
+    regular = True
+
     kernel = staticmethod(kernel_mirror)
     parameters = ()
 
 
 class Dielectric(Fresnel):
     """A dielectric of refractive index eta relative to outside, within `INDEX`, else a ValueError. cook1982."""
+
+    label, cite = "dielectric", "cook1982"
+    regular = True
 
     kernel = staticmethod(kernel_dielectric)
 
@@ -471,6 +484,9 @@ class Conductor(Fresnel):
     eta: within `INDEX`. k: 0, which makes it a dielectric, or within `ABSORPTION`. ValueError for others.
     """
 
+    label, cite = "conductor", "cook1982"
+    regular = True
+
     kernel = staticmethod(kernel_conductor)
 
     def __init__(self, eta: ArrayLike, k: ArrayLike) -> None:
@@ -483,6 +499,9 @@ class Schlick(Fresnel):
 
     F0 + (F90 - F0)(1 - c)^5, both in [0, 1], else a ValueError. Schlick has F90 = 1.
     """
+
+    label, cite = "Schlick", "schlick1994"
+    regular = True
 
     kernel = staticmethod(kernel_schlick)
 
@@ -499,6 +518,9 @@ class F82Tint(Fresnel):
     since a reflectance above Schlick's could exceed 1. ValueError for others, and for a tint so dark that the reflectance would
     fall below 0 at another angle; that happens where F0 is small.
     """
+
+    label, cite = "F82 tint", "hoffman2019"
+    regular = True
 
     kernel = staticmethod(kernel_f82)
 

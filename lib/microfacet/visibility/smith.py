@@ -362,6 +362,8 @@ class Smith(Masking):
     "height-direction". Lambda is a closed form where the distribution has one, otherwise a quadrature.
     """
 
+    label, cite = "Smith", "smith1967"
+
     G1_kernel = staticmethod(kernel_G1)
 
     def __init__(self, ndf: Distribution, correlation: str = "height") -> None:

@@ -148,12 +148,16 @@ class Flattening(NamedTuple):
 class Implicit(Masking):
     """G2 = cos theta_o cos theta_i, which leaves D F/4 of the BRDF. Fails the validation equations. hoffman2010."""
 
+    label, cite = "Implicit", "hoffman2010"
+
     G1_kernel = staticmethod(implicit_G1_kernel)
     G2_kernel = staticmethod(implicit_G2_kernel)
 
 
 class Kelemen(Masking):
     """G2 = cos theta_o cos theta_i/(wo.wm)^2. Fails the validation equations. kelemen2001."""
+
+    label, cite = "Kelemen", "kelemen2001"
 
     G1_kernel = staticmethod(kelemen_G1_kernel)
     G2_kernel = staticmethod(kelemen_G2_kernel)
@@ -165,6 +169,8 @@ class SchlickSmith(Masking):
     k: above 0, a number or an array; by default alpha sqrt(2/pi) with the larger roughness of the distribution. Games often use
     alpha/2. ValueError for others, and where the distribution has no roughness and no k is given.
     """
+
+    label, cite = "Schlick-Smith", "schlick1994"
 
     G1_kernel = staticmethod(schlick_G1_kernel)
     G2_kernel = staticmethod(schlick_G2_kernel)

@@ -124,5 +124,7 @@ def kernel_G2(
 class VCavity(Masking):
     """V-cavities over a distribution with opposite facets, D(theta, phi) = D(theta, phi + pi). cook1982."""
 
+    label, cite = "V-cavities", "cook1982"
+
     G1_kernel = staticmethod(kernel_G1)
     G2_kernel = staticmethod(kernel_G2)
