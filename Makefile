@@ -53,7 +53,7 @@ $(READY): requirements.lock pyproject.toml
 
 # Solve anew within pyproject.toml (the lock is good for every supported Python).
 lock: $(READY)
-	@$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --extra report \
+	@$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --extra report --extra docs \
 	    --generate-hashes --no-header --no-annotate pyproject.toml -o requirements.lock
 
 clean:
