@@ -22,7 +22,7 @@ exclude_patterns = ["templates", "extensions"]
 templates_path = ["templates"]
 nitpicky = True
 default_role = "any"
-keep_warnings = False
+suppress_warnings = ["bibtex.missing_field"]  # reports without an institution
 
 autodoc_typehints = "none"  # numpydoc's sections have them, with shapes
 autodoc_member_order = "bysource"
@@ -54,13 +54,21 @@ def cite(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[s
 
 
 def public_bases(app: Any, name: str, thing: type, options: Any, bases: list[Any]) -> None:
-    """Of the classes above a class those that have a page."""
+    """Of the classes above a class the nearest one that has a page."""
     public = (getattr(microfacet, name) for name in microfacet.PUBLIC)
     pages = {one: one.__name__ for one in public if isinstance(one, type)}
     above = next((pages[base] for base in thing.__mro__[1:] if base in pages), None)
     bases[:] = [f":py:class:`{above}`"] if above else [object]
 
 
+INNER = {"panels", "reflected", "sampler", "shown", "smith_lobe"}  # what quadratures and loops ask of a model
+
+
+def skip_inner(app: Any, what: str, name: str, thing: Any, skip: bool, options: Any) -> bool | None:
+    return True if name in INNER or name.endswith(("_kernel", "_of_cosine", "_of_cosines")) else None
+
+
 def setup(app: Any) -> None:
     app.connect("autodoc-process-docstring", cite, priority=900)  # after numpydoc
     app.connect("autodoc-process-bases", public_bases)
+    app.connect("autodoc-skip-member", skip_inner)

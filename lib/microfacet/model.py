@@ -6,7 +6,7 @@ import copy
 import inspect
 from collections.abc import Mapping
 from functools import cache
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -21,6 +21,12 @@ class Model:
     """
 
     _given: tuple[tuple[Any, ...], dict[str, Any]]
+    __signature__: ClassVar[inspect.Signature]
+
+    def __init_subclass__(cls) -> None:
+        """What `help` shows: the arguments of the constructor, which `__new__` would hide."""
+        super().__init_subclass__()
+        cls.__signature__ = _signature(cls)
 
     def __new__(cls, *args: Any, **kwargs: Any) -> Self:
         made = super().__new__(cls)

@@ -75,6 +75,13 @@ class Equation:
         BibTeX key and equation number.
     note : str, optional
         What a reader should know.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> statement = mf.equations["visibility.ggx.Lambda"]
+    >>> print(statement.title, statement.cite, statement.within)
+    Smith's Lambda for GGX heitz2014, eq. 72 (8.0, 8.0)
     """
 
     key: str

@@ -291,9 +291,9 @@ class Compensated(Model):
 
     brdf: of a model of masking. form: "lobe" adds a lobe that knows two cosines only, "scaled" makes the first bounce
     brighter; by either the albedo is 1 for F = 1, where one bounce keeps some light. Only "lobe" lets light and viewer change
-    places. `evaluate` keeps this as far as a series of the albedo of perfect mirrors is right: `off` bounds its error, absolute
-    for "lobe", of the albedo for "scaled". How far either is from what later bounces do is measured, not bounded: see the
-    report. ValueError for other forms, for models that reflect more light than they get, and where `off` is above 3 %.
+    places. `evaluate` keeps this as far as a series of the albedo of perfect mirrors is right: ``off`` bounds its error,
+    absolute for "lobe", of the albedo for "scaled". How far either is from what later bounces do is measured, not bounded: see
+    the report. ValueError for other forms, for models that reflect more light than they get, and where ``off`` is above 3 %.
     """
 
     def __init__(self, brdf: Microfacet, form: str = "lobe") -> None:
@@ -338,7 +338,7 @@ class Compensated(Model):
 
     def albedo_with_error(self, wo: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
         """The albedo, and a bound of its error: of the quadratures, and of the means. `evaluate` has it from a series, which
-        may be off by `off` more: of the albedo of perfect mirrors, absolutely for "lobe", and of it for "scaled"."""
+        may be off by ``off`` more: of the albedo of perfect mirrors, absolutely for "lobe", and of it for "scaled"."""
         (once, once_error), (kept, kept_error) = self.brdf.albedo_with_error(wo), self.mirrors.albedo_with_error(wo)
         above = kept > 0
         lacked = np.where(above, 1 - kept, 0)

@@ -419,7 +419,7 @@ class RandomWalk(Model):
         """Light directions wi (..., 3) with density in proportion to the BRDF of F = 1 times their cosine, what each
         weighs (...), which is the product of all reflectances, and the number of bounces (...), for wo (..., 3) and u
         (..., 2) in [0, 1). u names the walk: all its random numbers are drawn from a stream that u starts.
-        Zero vectors of weight and bounces 0 where wo is below the horizon, and weight 0 after `LONGEST` bounces."""
+        Zero vectors of weight and bounces 0 where wo is below the horizon, and weight 0 after ``LONGEST`` bounces."""
         wo, u = as_vectors("wo", wo), as_uniform("u", u)
         found = self._walked(wo, u)
         wi, weight, bounces = found[..., :3], found[..., 3], found[..., 4]
@@ -459,7 +459,7 @@ class RandomWalk(Model):
 
         All walks go on after the first bounce (`later`), and the share of light that does so is known from the quadrature. The
         error is a bound, but for odds of 1e-5, given that those of `Microfacet.albedo_with_error` are. Light still under way
-        after `LONGEST` bounces is not in the value. It may yet leave, and is in the error."""
+        after ``LONGEST`` bounces is not in the value. It may yet leave, and is in the error."""
         wo, count, seed = as_vectors("wo", wo).astype(float), whole("walks", walks, 2), whole("seed", seed, 0)
         once, error = self.single.albedo_with_error(wo)
         on, on_error = self.going_on(wo)
@@ -482,7 +482,7 @@ class RandomWalk(Model):
         return Later(found[:, :3], self.fresnel.F(start.cosine) * found[:, 3], found[:, 4].astype(np.int64) + 1, start.weight)
 
     def albedo_by_bounce(self, wo: ArrayLike, walks: int = 65536, seed: int = 0, orders: int = 6) -> Bounces:
-        """Shares of light from wo (..., 3) that leave after 1, 2, ..., `orders` bounces, from so many walks for each wo."""
+        """Shares of light from wo (..., 3) that leave after 1, 2, ..., ``orders`` bounces, from so many walks for each wo."""
         left, later = self._sums(wo, walks, seed, whole("orders", orders, 1))
         value, error = _mean(*left, walks)
         mean, scatter = _mean(*later, walks)
