@@ -53,12 +53,12 @@ def cite(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[s
     lines[:] = [CITED.sub(r":cite:t:`\1`", line) for line in lines]
 
 
-def public_bases(app: Any, name: str, thing: type, options: Any, bases: list[Any]) -> None:
-    """Of the classes above a class the nearest one that has a page."""
+def name_base(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:
+    """Below a class's summary the nearest class above it that has a page."""
     public = (getattr(microfacet, name) for name in microfacet.PUBLIC)
     pages = {one: one.__name__ for one in public if isinstance(one, type)}
-    above = next((pages[base] for base in thing.__mro__[1:] if base in pages), None)
-    bases[:] = [f":py:class:`{above}`"] if above else [object]
+    above = [pages[base] for base in thing.__mro__[1:] if base in pages] if isinstance(thing, type) else []
+    lines[1:1] = ["", f"A subclass of :py:class:`{above[0]}`."] if above else []
 
 
 INNER = {"panels", "reflected", "sampler", "shown", "smith_lobe"}  # what quadratures and loops ask of a model
@@ -70,5 +70,5 @@ def skip_inner(app: Any, what: str, name: str, thing: Any, skip: bool, options: 
 
 def setup(app: Any) -> None:
     app.connect("autodoc-process-docstring", cite, priority=900)  # after numpydoc
-    app.connect("autodoc-process-bases", public_bases)
+    app.connect("autodoc-process-docstring", name_base, priority=901)
     app.connect("autodoc-skip-member", skip_inner)

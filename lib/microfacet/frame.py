@@ -76,7 +76,7 @@ class Frame(Model):
         [0.6 0.  0.8]
         """
         w = _vectors("w", w)
-        return np.stack([np.sum(w * axis, axis=-1) for axis in (self.x, self.y, self.z)], axis=-1)
+        return np.stack(np.broadcast_arrays(*(np.sum(w * axis, axis=-1) for axis in (self.x, self.y, self.z))), axis=-1)
 
     def to_world(self, w: ArrayLike) -> np.ndarray:
         """Convert directions of the frame to the scene; the inverse of `to_local`.
