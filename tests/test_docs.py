@@ -78,13 +78,13 @@ UNASKED = {  # of numpydoc's checks: matters of taste, and sections that not eve
 }
 
 
-AWAITED = ("Compensated", "Diffuse", "RandomWalk")  # they are being rewritten: their docstrings get this form then
-
-
 def objects() -> Iterator[tuple[str, Any]]:
-    """Public classes and functions, and the public methods of these classes, each where it is defined."""
+    """Public classes and functions, and the public methods of these classes, each where it is defined.
+
+    A method that needs no other words than the one it overrides has none, and inherits them.
+    """
     found: set[Any] = set()
-    for name in mf.PUBLIC.keys() - set(AWAITED):
+    for name in mf.PUBLIC:
         thing = getattr(mf, name)
         thing = thing if inspect.isclass(thing) or inspect.isfunction(thing) else type(thing)
         for one in (thing, Equation) if name == "equations" else (thing,):
@@ -94,6 +94,8 @@ def objects() -> Iterator[tuple[str, Any]]:
                     defined_here = getattr(method, "__qualname__", "") == f"{cls.__qualname__}.{word}"
                     if inspect.isfunction(method) and defined_here and not word.startswith("_") and method not in found:
                         found.add(method)
+                        if method.__doc__ is None and inspect.getdoc(getattr(one, word)):
+                            continue
                         yield f"{method.__module__}.{method.__qualname__}", method
 
 

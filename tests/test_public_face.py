@@ -224,7 +224,7 @@ def test_other_wrong_parameters() -> None:
         mf.Smith(NDF, ["height"])  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="k must be a finite number above 0, got 0"):
         mf.SchlickSmith(NDF, k=0)
-    with pytest.raises(AttributeError, match="microfacet has no 'GXX'; it has Beckmann, "):
+    with pytest.raises(AttributeError, match="microfacet has no 'GXX'; it has BRDF, Beckmann, "):
         mf.GXX  # noqa: B018
     with pytest.raises(KeyError, match=r"no equation 'visibility.ggx.Lamda'; near: visibility.ggx.Lambda"):
         mf.equations["visibility.ggx.Lamda"]

@@ -56,7 +56,7 @@ def reflected(alpha: float, f0: float) -> np.ndarray:
     cosine = (x + 1) / 2
     wo, share = spherical(np.arccos(cosine)), weigh * cosine
     once = Microfacet(Smith(GGX(alpha)), Schlick(f0))
-    walk = RandomWalk(Smith(GGX(alpha)), Schlick(f0)).albedo(wo, EACH)
+    walk = RandomWalk(Smith(GGX(alpha)), Schlick(f0)).albedo_with_error(wo, EACH)
     forms = [share @ Compensated(once, form).albedo(wo) for form in FORMS]
     return np.array([share @ once.albedo(wo), *forms, share @ walk.value, share @ walk.error])
 

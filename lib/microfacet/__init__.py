@@ -15,6 +15,7 @@ from typing import Any
 __version__ = "0.1.0"
 
 PUBLIC = {
+    "BRDF": "brdf.base",
     "Beckmann": "geometry.beckmann",
     "BlinnPhong": "geometry.blinn_phong",
     "Compensated": "brdf.compensation",

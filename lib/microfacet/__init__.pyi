@@ -1,5 +1,6 @@
 # The names of the package with their types, as in PUBLIC of __init__.py, which loads each when it is first asked for.
 
+from microfacet.brdf.base import BRDF as BRDF
 from microfacet.brdf.compensation import Compensated as Compensated
 from microfacet.brdf.diffuse import Diffuse as Diffuse
 from microfacet.brdf.random_walk import RandomWalk as RandomWalk

@@ -52,7 +52,7 @@ def test_they_end_as_those_do_that_go_on_among_all_walks(kind: Any, place: tuple
     """Where they leave, after how many bounces, and what metal leaves of their light."""
     model, wo = model_of(kind, place)
     walk = mf.RandomWalk(model, mf.Conductor(0.2, 3.9))
-    wi, light, bounces = walk.sample(wo, uniform(1 << 18, 5))
+    wi, light, bounces = walk.walk(wo, uniform(1 << 18, 5))
     more = bounces > 1
     among = [f[more] for f in functions(wi, light, bounces)]
     found = walk.later(wo, COUNT, 6)
@@ -73,13 +73,13 @@ def test_the_albedo_is_off_by_no_more_than_it_says(fresnel: Any, place: tuple[fl
     model, wo = model_of(mf.GGX, place)
     walk = mf.RandomWalk(model, fresnel)
     truth = walk.albedo_by_bounce(wo, 1 << 20, 9)
-    value, error = walk.albedo(wo)
+    value, error = walk.albedo_with_error(wo)
     whole = truth.value.sum() + truth.more
     assert abs(value - whole) < error + SIGMAS * np.hypot(np.linalg.norm(truth.error), truth.more_error)
     if fresnel is None:
         assert abs(value - 1) <= error < 1e-4
     else:
-        few, many = (walk.albedo(wo, count) for count in (1 << 8, 1 << 18))
+        few, many = (walk.albedo_with_error(wo, count) for count in (1 << 8, 1 << 18))
         quadrature = mf.Microfacet(model, fresnel).albedo_with_error(wo)[1] + mf.Microfacet(model).albedo_with_error(wo)[1]
         assert (error - quadrature) / 2 > many.error - quadrature
         assert abs(few.value - many.value) <= few.error
@@ -90,9 +90,9 @@ def test_few_walks_are_as_near_as_they_say() -> None:
     """Of many seeds none is farther off; and most by no more than the scatter."""
     wo = spherical(0.9)
     walk = mf.RandomWalk(mf.Smith(mf.GGX(0.2)), mf.Conductor(0.2, 3.9))
-    truth, known = walk.albedo(wo, 1 << 20, 1)
+    truth, known = walk.albedo_with_error(wo, 1 << 20, 1)
     for count in (2, 20, 2000):
-        found = [walk.albedo(wo, count, seed) for seed in range(100)]
+        found = [walk.albedo_with_error(wo, count, seed) for seed in range(100)]
         assert all(abs(value - truth) <= error + known for value, error in found)
     assert np.std([value for value, _ in found]) < found[0].error / 3
 
@@ -102,7 +102,7 @@ def test_later_bounces_keep_what_is_totally_reflected(alpha: float) -> None:
     """From glass to air reflectance has a kink; what later bounces return is as near as is said all the same."""
     wo = spherical(0.6)
     walk = mf.RandomWalk(mf.Smith(mf.GGX(alpha)), mf.Dielectric(1 / 1.5))
-    (value, error), (once, known) = walk.albedo(wo), walk.single.albedo_with_error(wo)
+    (value, error), (once, known) = walk.albedo_with_error(wo), walk.single.albedo_with_error(wo)
     truth = walk.albedo_by_bounce(wo, 1 << 20, 3, orders=1)
     assert abs((value - once) - truth.more) < error - known + SIGMAS * truth.more_error
     assert error - known < 0.01
@@ -114,7 +114,7 @@ def test_total_reflection_leaves_the_albedo_that_walks_have(eta: float, degrees:
     """All bounces at once: the quadrature of the first must be right across the kink too."""
     wo = spherical(np.radians(degrees))
     walk = mf.RandomWalk(mf.Smith(mf.GGX(0.3)), mf.Dielectric(eta))
-    value, error = walk.albedo(wo)
+    value, error = walk.albedo_with_error(wo)
     truth = walk.albedo_by_bounce(wo, 1 << 20, 3, orders=1)
     whole, scatter = truth.value[0] + truth.more, float(np.hypot(truth.error[0], truth.more_error))
     assert abs(value - whole) < error + SIGMAS * scatter

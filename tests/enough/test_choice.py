@@ -77,7 +77,7 @@ def test_a_finer_and_independent_rule_agrees(comparison: Comparison) -> None:
     noise = 0.0
     for point in SCENE.grid(4, 4):
         once = mf.Microfacet(mf.Smith(mf.GGX(point.alpha_x)), METAL)
-        truth = mf.RandomWalk(once.model, METAL).albedo(point.wo, walks=1 << 17, seed=7)
+        truth = mf.RandomWalk(once.model, METAL).albedo_with_error(point.wo, walks=1 << 17, seed=7)
         for one in off:
             brdf = one.brdf(METAL, point)
             whole = brdf if one.compensation == "none" else Compensated(brdf, one.compensation)

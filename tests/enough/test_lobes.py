@@ -217,7 +217,7 @@ def test_later_bounces_fall_where_all_walks_put_them(fresnel: Any, point: Point)
     scene = Scene(max(point[:2]), fresnel=fresnel)
     found, few = (walked(scene, point, walks) for walks in (1 << 17, 200))
     count = 1 << 19
-    wi, light, bounces = mf.RandomWalk(mf.Smith(mf.GGX(*point[:2])), fresnel).sample(point.wo, uniform(count, 8))
+    wi, light, bounces = mf.RandomWalk(mf.Smith(mf.GGX(*point[:2])), fresnel).walk(point.wo, uniform(count, 8))
     more = bounces > 1
     by_walks = np.bincount(bins(point, wi[more]), light[more], ROWS * COLUMNS).reshape(ROWS, COLUMNS) / count
     square = np.bincount(bins(point, wi[more]), light[more] ** 2, ROWS * COLUMNS).reshape(ROWS, COLUMNS) / count

@@ -18,11 +18,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from microfacet import balls
 from microfacet.brdf.albedo import ROUNDING, Reflected, critical, tanh_sinh
+from microfacet.brdf.base import BRDF
+from microfacet.brdf.cosine_table import LOWEST, CosineTable, starts
 from microfacet.brdf.specular import Microfacet, evaluation_of, mu
-from microfacet.directions import vectors
-from microfacet.kernels import Batch
+from microfacet.directions import as_uniform, as_vectors, vectors
+from microfacet.kernels import Batch, ByPrecision
 from microfacet.material.fresnel import F0, Fresnel, c, schlick_F
-from microfacet.model import Model
 from microfacet.notation import raw
 from microfacet.statement import Equation
 from microfacet.visibility.masking import over_pairs
@@ -122,9 +123,11 @@ def _schlick_steps(it: Equation) -> list[Any]:
 STEPS, TURNS = 24, 8  # terms of Chebyshev's series in height and in azimuth
 ROUGH = 4.0  # roughness above which the albedo changes so fast near grazing that it takes twice as many steps
 NODES, AZIMUTHS = 128, 64  # of the rule for means
-LOWEST = 5.3  # of the root of -ln(cosine): light below counts less than 1e-24
 BRIGHT = 1e-4  # how far the albedo may exceed 1 by errors of its quadrature
 SURE = 0.03  # how far the series may be from the albedo, and from its share where it is divided by
+INTERVALS = 256  # of cosines, to sample the lobe
+SELDOM = 0.1  # of the mean density over cosines, at which the lobe is sampled at least
+LEAST = ByPrecision(double=1e-17, single=1e-8)  # above 0: the lobe has light wherever it is sampled
 BETWEEN = 3.0  # the largest error, over that half way between nodes and at the ends
 
 
@@ -150,7 +153,7 @@ def interpolation(steps: int, turns: int) -> Callable[..., float]:
             row = w * b1 - b2 + table[k * turns]
             a1, a2 = (2.0 * s * a1 - a2 + row, a1) if k > 0 else (s * a1 - a2 + row, a1)
         leaning = r + widths[1] * z
-        return max(a1, 0.0) * (leaning / (z + leaning))
+        return max(a1, LEAST) * (leaning / (z + leaning))
 
     return dimming
 
@@ -171,14 +174,16 @@ def _chebyshev(count: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 class Kept(NamedTuple):
-    """What one bounce of F = 1 keeps: means of E and of 1 - E over light from everywhere, coefficients of -ln E, and how far
-    the series may be from E, absolutely and of E: what was found between its nodes, and the error of the quadrature."""
+    """What one bounce of F = 1 keeps: means of E and of 1 - E over light from everywhere, coefficients of -ln E, how far the
+    series may be from E, absolutely and of E (what was found between its nodes, and the error of the quadrature), and the mean
+    of 1 - E over azimuth in the intervals of a `CosineTable`, or a part of its mean where it is much less."""
 
     mean: float
     missing: float
     table: tuple[float, ...]
     off: float
     share_off: float
+    heights: tuple[float, ...]
 
 
 @lru_cache(maxsize=64)
@@ -193,9 +198,12 @@ def kept(reflected: Reflected, scale: tuple[float, float], steps: int, turns: in
         )
     albedo = np.clip(albedo, np.finfo(float).tiny, 1)
     table = make_s @ (-np.log(albedo) * (1 + leaning) / leaning) @ make_w.T
-    dimming = _dimming(table, scale)
+    dimming = _dimming(table, scale, _heights()[0])
     off, share_off = _missed(reflected, scale, table)
-    return Kept(_mean(np.exp(-dimming)), _mean(-np.expm1(-dimming)), tuple(map(float, table.ravel())), off, share_off)
+    missing = _mean(-np.expm1(-dimming))
+    by_height = np.maximum(-np.expm1(-_dimming(table, scale, _middles())).mean(axis=1), SELDOM * missing + LEAST)
+    numbers = (tuple(map(float, part)) for part in (table.ravel(), by_height))
+    return Kept(_mean(np.exp(-dimming)), missing, next(numbers), off, share_off, next(numbers))
 
 
 def _directions(s: np.ndarray, w: np.ndarray, scale: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
@@ -218,9 +226,15 @@ def _missed(reflected: Reflected, scale: tuple[float, float], table: np.ndarray)
     return float(BETWEEN * apart.max()), float(BETWEEN * (apart / np.maximum(albedo, np.finfo(float).tiny)).max())
 
 
-def _dimming(table: np.ndarray, scale: tuple[float, float]) -> np.ndarray:
-    """What the series gives in all directions of the rule for means."""
-    v, turn = _heights()[0][:, None], np.pi / 2 * (np.arange(AZIMUTHS) + 0.5) / AZIMUTHS
+def _middles() -> np.ndarray:
+    """The middle of each interval of a `CosineTable`, and the beginning of the last one."""
+    ends = starts(INTERVALS)
+    return np.append((ends[1:] + ends[:-1]) / 2, ends[-1])
+
+
+def _dimming(table: np.ndarray, scale: tuple[float, float], v: np.ndarray) -> np.ndarray:
+    """What the series gives in directions where sqrt(-ln cos theta) is v, over azimuths."""
+    v, turn = v[:, None], np.pi / 2 * (np.arange(AZIMUTHS) + 0.5) / AZIMUTHS
     tangent = np.sqrt(np.expm1(2 * v * v))
     across, along = (scale[0] * tangent * np.cos(turn)) ** 2, (scale[1] * tangent * np.sin(turn)) ** 2
     r, (k, upright) = np.sqrt(across + along), _widths(*scale)
@@ -286,14 +300,53 @@ def compensated(single: Callable[..., float], form: str, steps: int, turns: int)
 stated_scale = scale.scalar
 
 
-class Compensated(Model):
-    """A BRDF of one bounce with the light of later bounces made up for. kulla2017; turquin2019.
+@cache
+def series(steps: int, turns: int) -> Batch:
+    """-ln E of a direction, with the parameters of `compensated`."""
+    dimming = interpolation(steps, turns)
 
-    brdf: of a model of masking. form: "lobe" adds a lobe that knows two cosines only, "scaled" makes the first bounce
-    brighter; by either the albedo is 1 for F = 1, where one bounce keeps some light. Only "lobe" lets light and viewer change
-    places. `evaluate` keeps this as far as a series of the albedo of perfect mirrors is right: ``off`` bounds its error,
-    absolute for "lobe", of the albedo for "scaled". How far either is from what later bounces do is measured, not bounded: see
-    the report. ValueError for other forms, for models that reflect more light than they get, and where ``off`` is above 3 %.
+    def dimmed(x: float, y: float, z: float, p: Any) -> float:
+        alpha_x, alpha_y = p[1]
+        return dimming(x, y, z, alpha_x, alpha_y, p[2], p[3]) if z > 0.0 else 0.0
+
+    return Batch(dimmed, [3])
+
+
+class Compensated(BRDF):
+    r"""BRDF of one bounce, with the energy of later bounces put back.
+
+    With the albedo E of one bounce off perfect mirrors, its mean :math:`\bar{E}`, and a factor f that depends on the
+    reflectance, the two forms are
+
+    .. math:: \rho + f \, \frac{\left( 1 - E(\omega_o) \right) \left( 1 - E(\omega_i) \right)}{\pi \left( 1 - \bar{E} \right)}
+              \quad \text{and} \quad \rho \left( 1 + F_0 \, \frac{1 - E(\omega_o)}{E(\omega_o)} \right).
+
+    For F = 1 the albedo is 1. E comes from a series; the attribute ``off`` bounds its error, absolute for ``"lobe"``,
+    relative for ``"scaled"``. How far either is from what later bounces really do is measured in the report, not bounded.
+
+    Parameters
+    ----------
+    brdf : Microfacet
+        BRDF of one bounce, with numbers for parameters.
+    form : {"lobe", "scaled"}, optional
+        Add a lobe (the first form, reciprocal), or scale the BRDF (the second, not reciprocal).
+
+    Raises
+    ------
+    ValueError
+        For another form, for a model that reflects more light than it gets, and where ``off`` is above 3 %.
+
+    References
+    ----------
+    kulla2017 (lobe); turquin2019 (scaled).
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> once = mf.Microfacet(mf.Smith(mf.GGX(0.8)))
+    >>> wo = [0.6, 0.0, 0.8]
+    >>> print(f"{once.albedo(wo):.4f} {mf.Compensated(once).albedo(wo):.4f}")
+    0.4603 1.0000
     """
 
     def __init__(self, brdf: Microfacet, form: str = "lobe") -> None:
@@ -312,33 +365,101 @@ class Compensated(Model):
         self.off = found.off if form == "lobe" else found.share_off
         if self.off > SURE:
             raise ValueError(f"the albedo of {brdf.model!r} is known to {100 * self.off:.2g} % only, too little for {form!r}")
+        self._mean_F = mean_reflectance(brdf.fresnel)
         self.added, self.added_error = self._added(found.off)
-        factor = self.added / (pi * missing) if form == "lobe" and missing > 0 else self.added
+        self._factor = self.added / (pi * missing) if form == "lobe" and missing > 0 else self.added
         single, parameters = evaluation_of(brdf.model, brdf.fresnel)
-        self.parameters = (parameters, (alpha_x, alpha_y), _widths(alpha_x, alpha_y), table, (factor,))
+        self.parameters = (parameters, (alpha_x, alpha_y), _widths(alpha_x, alpha_y), table, (self._factor,))
         self._batch = compensated(single.function, form, steps, turns)
+        self._series, self._heights = series(steps, turns), CosineTable(found.heights)
 
     def _added(self, off: float) -> tuple[float, float]:
         """What facets leave of the light of later bounces, and its error: by their mean reflectance, or by that at normal
         incidence. off: how far the mean albedo may be off."""
         if self.form == "scaled":
             return float(self.fresnel.F(1.0)), 0.0
-        F, error = mean_reflectance(self.fresnel)
+        F, error = self._mean_F
         least = max((1 - F) + F * self.mean_albedo, np.finfo(float).tiny)
         slopes = F * (2 - F) * self.mean_albedo / least**2 + F / least, F**2 * (1 - F) / least**2
         return float(bounces.scalar(F, self.mean_albedo)), slopes[0] * error + slopes[1] * off
 
     def evaluate(self, wo: ArrayLike, wi: ArrayLike, out: NDArray[Any] | None = None) -> NDArray[Any]:
-        """The BRDF, 1/sr, shapes (..., 3) -> (...); 0 if either direction is below the horizon."""
+        """Value of the BRDF, in 1/sr, without the cosine of the light.
+
+        Parameters
+        ----------
+        wo : array_like, shape (..., 3)
+            View directions, unit vectors.
+        wi : array_like, shape (..., 3)
+            Light directions, unit vectors; shapes broadcast.
+        out : ndarray, optional
+            Array of the result's shape and precision to fill and return; its contents are undefined after an error.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            BRDF, 1/sr; 0 if either direction is below the horizon.
+
+        Raises
+        ------
+        ValueError
+            If an argument does not hold unit vectors, or if out does not fit.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> brdf = mf.Compensated(mf.Microfacet(mf.Smith(mf.GGX(0.8))))
+        >>> print(f"{brdf.evaluate([0.6, 0.0, 0.8], [-0.6, 0.0, 0.8]):.4f}")
+        0.3550
+        """
         return self._batch([vectors("wo", wo), vectors("wi", wi)], self.parameters, out)
 
-    def albedo(self, wo: ArrayLike) -> NDArray[Any]:
-        """Share of light from wo that is reflected, shapes (..., 3) -> (...); 0 below the horizon. By quadrature."""
-        return self.albedo_with_error(wo)[0]
+    def sample(self, wo: ArrayLike, u: ArrayLike) -> NDArray[Any]:
+        # The first number of u chooses between both lobes, and what is left of it goes on: points of a sequence stay even.
+        if self.form == "scaled":
+            return self.brdf.sample(wo, u)
+        wo, u = as_vectors("wo", wo), as_uniform("u", u)
+        real = np.result_type(wo, u)
+        chance, first = self._chance(wo), u[..., 0].astype(np.float64)
+        of_lobe = first < chance
+        with np.errstate(divide="ignore", invalid="ignore"):
+            rest = np.where(of_lobe, first / chance, (first - chance) / (1 - chance))
+        rest = np.clip(rest, 0, np.nextafter(real.type(1), real.type(0)))
+        v = np.stack(np.broadcast_arrays(rest, u[..., 1]), axis=-1).astype(real)
+        return np.where(of_lobe[..., None], self._heights.sample(wo, v), self.brdf.sample(wo.astype(real), v))
+
+    def pdf(self, wo: ArrayLike, wi: ArrayLike) -> NDArray[Any]:
+        single = self.brdf.pdf(wo, wi)
+        if self.form == "scaled":
+            return single
+        chance = self._chance(wo)
+        return (chance * self._heights.pdf(wo, wi) + (1 - chance) * single).astype(single.dtype)[()]
+
+    def weight(self, wo: ArrayLike, wi: ArrayLike) -> NDArray[Any]:
+        # D does not occur in it where only one bounce has light, so it is right also where D is too large for a number.
+        once = self.brdf.weight(wo, wi)
+        if self.form == "scaled":
+            return (once * stated_scale(self.added, np.exp(-self._dimming(wo)))).astype(once.dtype)
+        chance, single, lobe = self._chance(wo), self.brdf.pdf(wo, wi), self._heights.pdf(wo, wi)
+        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+            of_single = np.where(lobe > 0, 1 / (1 + lobe / single), 0.0)
+        added = np.pi * self._factor * np.expm1(-self._dimming(wo)) * np.expm1(-self._dimming(wi)) / self._heights.factor(wi)
+        light, density = ((1 - of_single) * a + of_single * b for a, b in ((added, once), (chance, 1 - chance)))
+        light = np.where(lobe > 0, light, 0.0)
+        return np.divide(light, density, out=np.zeros_like(light), where=density > 0).astype(once.dtype)[()]
+
+    def _dimming(self, w: ArrayLike) -> NDArray[Any]:
+        """-ln E of one bounce of F = 1, by the series; 0 below the horizon."""
+        return self._series([np.asarray(w, np.float64)], self.parameters)
+
+    def _chance(self, wo: ArrayLike) -> NDArray[Any]:
+        """How often the lobe is sampled: its part of the albedo, by the means of F."""
+        lacked = -np.expm1(-self._dimming(wo))
+        lobe, single = self.added * lacked, self._mean_F[0] * (1 - lacked)
+        return np.divide(lobe, lobe + single, out=np.zeros_like(lobe), where=lobe + single > 0)
 
     def albedo_with_error(self, wo: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
-        """The albedo, and a bound of its error: of the quadratures, and of the means. `evaluate` has it from a series, which
-        may be off by ``off`` more: of the albedo of perfect mirrors, absolutely for "lobe", and of it for "scaled"."""
+        # The error is that of the quadratures and of the means; `evaluate` has the albedo from a series, with `off` more.
         (once, once_error), (kept, kept_error) = self.brdf.albedo_with_error(wo), self.mirrors.albedo_with_error(wo)
         above = kept > 0
         lacked = np.where(above, 1 - kept, 0)

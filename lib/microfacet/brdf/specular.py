@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from microfacet import balls
 from microfacet.brdf.albedo import Reflected, reflected_share
+from microfacet.brdf.base import BRDF
 from microfacet.directions import as_vectors, uniform, vectors
 from microfacet.geometry.slopes import drawn_from, excess_over_drawn
 from microfacet.geometry.visible_normals import HORIZON
@@ -299,7 +300,7 @@ def normals_weight(
 # --- the model --------------------------------------------------------------------------------------------------------
 
 
-class Microfacet(Parametric):
+class Microfacet(Parametric, BRDF):
     r"""BRDF of mirror-like microfacets, for light that bounces once.
 
     .. math:: \rho(\omega_o, \omega_i) = \frac{F(\omega_o, \omega_h) \, G_2(\omega_o, \omega_i, \omega_h) \, D(\omega_h)}
@@ -499,35 +500,6 @@ class Microfacet(Parametric):
         else:
             rule = visible_weight(model.view_kernel, model.G1_of_cosine, *parts[1:])
         return rule([vectors("wo", wo), vectors("wi", wi)], self.parameters)
-
-    def albedo(self, wo: ArrayLike) -> NDArray[Any]:
-        r"""Directional albedo: the fraction of the light from wo that is reflected.
-
-        .. math:: E(\omega_o) = \int_{\Omega} \rho(\omega_o, \omega_i) \cos\theta_i \, d\omega_i
-
-        Parameters
-        ----------
-        wo : array_like, shape (..., 3)
-            Directions, unit vectors.
-
-        Returns
-        -------
-        ndarray, shape (...)
-            Fraction in [0, 1] for a physical model; 0 below the horizon.
-
-        Raises
-        ------
-        ValueError
-            If wo does not hold unit vectors.
-
-        Examples
-        --------
-        >>> import microfacet as mf
-        >>> brdf = mf.Microfacet(mf.Smith(mf.GGX(0.3, 0.1)), mf.Conductor(0.2, 3.9))
-        >>> print(f"{brdf.albedo([0.6, 0.0, 0.8]):.6f}")
-        0.863457
-        """
-        return self.albedo_with_error(wo)[0]
 
     def albedo_with_error(self, wo: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
         """Directional albedo, and a bound of its error.

@@ -80,7 +80,7 @@ class Candidate:
         if self.compensation != "walk":
             return _compensated(self, exact, point._replace(theta=0.0, phi=0.0)).evaluate
         walk = RandomWalk(Smith(self.ndf(point)), brdf.fresnel)
-        return lambda wo, wi: walk.evaluate(wo, wi, walks=2).value
+        return lambda wo, wi: walk.evaluate(wo, wi, walks=2)
 
     def lobe(self, scene: Scene, point: Point, walks: int) -> Ruled:
         """What it sends into each bin; the random walk's own is a mean over many walks."""

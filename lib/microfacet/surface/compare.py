@@ -50,7 +50,7 @@ def binned(brdf: Microfacet | Compensated, wo: ArrayLike, plan: Plan) -> Array:
 def walked(walk: RandomWalk, wo: ArrayLike, plan: Plan, walks: int, seed: int = 0) -> Array:
     """The same after all bounces in Smith's model, (t, p): the first one exactly, later ones where so many walks end."""
     view = np.asarray(wo, float)
-    wi, weight, bounces = walk.sample(view, np.random.default_rng(seed).random((walks, 2)))
+    wi, weight, bounces = walk.walk(view, np.random.default_rng(seed).random((walks, 2)))
     theta = np.arctan2(np.hypot(wi[:, 0], wi[:, 1]), wi[:, 2])
     phi = np.remainder(np.arctan2(wi[:, 1], wi[:, 0]) - math.atan2(view[1], view[0]) + math.pi, 2 * math.pi) - math.pi
     later = np.histogram2d(theta, phi, bins=plan.lobe_edges, weights=np.where(bounces > 1, weight, 0))[0] / walks

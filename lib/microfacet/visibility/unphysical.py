@@ -1,4 +1,4 @@
-"""Masking functions that no surface has: Implicit, Kelemen, Schlick-Smith. Here to be measured, not to be recommended."""
+"""Masking functions that no surface with the same normals has: Implicit, Kelemen, Schlick-Smith. Here to be measured."""
 
 from __future__ import annotations
 
@@ -172,7 +172,7 @@ def schlick_shadowed(
 
 
 class Implicit(Masking):
-    r"""Implicit masking and shadowing, for which the BRDF is D F/4; no surface has it.
+    r"""Implicit masking and shadowing, for which the BRDF is D F/4; not of a surface with these normals.
 
     .. math:: G_2(\omega_o, \omega_i, \omega_m) = \cos\theta_o \cos\theta_i
 
@@ -205,7 +205,7 @@ class Implicit(Masking):
 
 
 class Kelemen(Masking):
-    r"""Kelemen's masking and shadowing; no surface has it.
+    r"""Kelemen's masking and shadowing; not of a surface with these normals.
 
     .. math:: G_2(\omega_o, \omega_i, \omega_m) =
               \frac{\cos\theta_o \cos\theta_i}{(\omega_o \cdot \omega_m)(\omega_i \cdot \omega_m)}
@@ -239,7 +239,7 @@ class Kelemen(Masking):
 
 
 class SchlickSmith(Masking):
-    r"""Schlick's rational approximation of Smith's masking; no surface has it.
+    r"""Schlick's rational approximation of Smith's masking; not of a surface with these normals.
 
     .. math:: G_1(\omega_o, \omega_m) = \frac{\chi^{+}(\omega_o \cdot \omega_m) \cos\theta_o}{(1 - k) \cos\theta_o + k}
 

@@ -1,0 +1,160 @@
+"""Which masking functions belong to a surface: a criterion for all that depend on the view alone, over all distributions.
+
+"Surface" means Smith's model of one: slopes that do not depend on heights, symmetric. If G1 is the same for all facets turned
+to the viewer, conservation of projected area makes it Smith's, with Lambda the integral of the slopes along the view. So
+f(x) = x Lambda, x = cot theta_o, tells them: its second derivative is their density. A function G1 has slopes, and meets the
+equations with their distribution, if and only if f is convex and tends to 0, no more than the whole surface is tilted
+(f'(0+) >= -1/2; what is missing is level), and, since slopes along all azimuths are spread alike, the density of slopes in the
+plane that has f'' along each line, its inverse Abel transform, is not negative.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+
+from microfacet.geometry import ggx
+from microfacet.notation import P2, Lambda_o, alpha, mu_o, q, raw, theta_o
+from microfacet.statement import Equation
+from microfacet.visibility import smith, unphysical
+from microfacet.visibility.unphysical import k
+
+x = sp.Symbol("x", positive=True)  # the cotangent of the view's polar angle
+r, s = sp.symbols("r s", positive=True)
+P22_of_r = raw("P22_of_r", r"P_{22}(r)")
+level = raw("level", r"p_0", nonnegative=True)  # share of the surface that is level
+G1_view = raw("G1_view", r"G_1(\omega_o)", positive=True)
+f_prime = raw("f_prime_at_0", r"f'(0^{+})")
+
+# --- what f tells -------------------------------------------------------------------------------------------------------
+
+with sp.evaluate(False):
+    hidden_slopes = Equation(
+        key="visibility.criterion.f",
+        title="what a masking function of the view alone says of slopes",
+        symbol=raw("f_of_x", r"f(x)"),
+        means=x * (1 / G1_view - 1),
+        equals=sp.Integral((q - x) * P2(q), (q, x, sp.oo)),
+        proof=lambda it: _hidden_steps(it),
+        proved_by="sympy: Smith's G1, which conserves projected area, and its Lambda put in",
+        slides=(39, 40, 58),
+        cite="heitz2014",
+        note="x is cot theta_o.",
+    )
+    density = Equation(
+        key="visibility.criterion.density",
+        title="its second derivative is the density of slopes along the view",
+        symbol=raw("f_second", r"f''(x)"),
+        means=sp.Derivative(sp.Integral((q - x) * P2(q), (q, x, sp.oo)), (x, 2)),
+        equals=P2(x),
+        proof=lambda it: [it.means.doit() - it.equals, sp.diff(hidden_slopes.equals, x, 2) - it.equals],
+        proved_by="sympy: the integral differentiated twice by its limit",
+        slides=(39, 40, 58),
+        cite="heitz2014",
+        note="So f is convex.",
+    )
+    level_facets = Equation(
+        key="visibility.criterion.level",
+        title="its slope at 0 tells how much of the surface is level",
+        symbol=level,
+        means=1 - 2 * sp.Integral(P2(q), (q, 0, sp.oo)),
+        equals=1 + 2 * f_prime,
+        where={f_prime: -sp.Integral(P2(q), (q, 0, sp.oo))},
+        proof=lambda it: [sp.diff(hidden_slopes.equals, x).subs(x, 0) - it.where[f_prime], *_level_steps(it)],
+        proved_by="sympy: f differentiated at 0; slopes are as many on either side, and with what is level they are all",
+        slides=(39, 40, 58),
+        cite="heitz2014",
+        note="So f'(0+) is at least -1/2.",
+    )
+    plane = Equation(
+        key="visibility.criterion.P22",
+        title="the density of slopes in the plane, if it is the same along all azimuths",
+        symbol=P22_of_r,
+        equals=-sp.Integral(sp.Derivative(P2(q), q) / sp.sqrt(q**2 - r**2), (q, r, sp.oo)) / sp.pi,
+        proof=lambda it: _plane_steps(it),
+        proved_by="sympy: Abel's inverse, for slopes exp(-r^2/s) of any width s and, since it is linear, for their mixtures",
+        slides=(39, 40, 64),
+        cite="heitz2014",
+        note="It is not negative for a surface: convexity of f alone suffices for grooves only.",
+    )
+
+
+def _hidden_steps(it: Equation) -> list[Any]:
+    """x (1/G1 - 1) = x Lambda."""
+    Lambda = smith.Lambda.equals.doit().subs(sp.cot(theta_o), x)
+    G1 = 1 / (1 + Lambda_o)
+    return [it.means.doit().subs(G1_view, G1) - x * Lambda_o, x * Lambda - it.equals.doit()]
+
+
+def _level_steps(it: Equation) -> list[Any]:
+    return [it.means.doit() - it.equals.doit().subs(it.where)]
+
+
+def _plane_steps(it: Equation) -> list[Any]:
+    """Along a line at distance q slopes exp(-r^2/s) have the density sqrt(pi s) exp(-q^2/s); back by q = sqrt(r^2 + t^2)."""
+    t = sp.Symbol("t", real=True)
+    along = sp.integrate(sp.exp(-(q**2 + t**2) / s), (t, -sp.oo, sp.oo))
+    (whole,) = it.equals.atoms(sp.Integral)
+    inside = whole.function.subs(P2(q), along).doit()
+    distance = sp.sqrt(r**2 + sp.Symbol("w", positive=True) ** 2)
+    w = sp.Symbol("w", positive=True)
+    turned = sp.simplify(inside.subs(q, distance) * sp.diff(distance, w))
+    back = -sp.integrate(turned, (w, 0, sp.oo)) / sp.pi
+    return [sp.simplify(back - sp.exp(-(r**2) / s))]
+
+
+# --- the functions of the talk, for all distributions at once -----------------------------------------------------------
+
+
+def _f(G1: Any) -> sp.Expr:
+    """f of a masking function of the cosine."""
+    cosine = x / sp.sqrt(1 + x**2)
+    return sp.simplify(x * (1 / G1.subs(mu_o, cosine) - 1))
+
+
+schlick_G1 = mu_o / (mu_o * (1 - k) + k)
+
+with sp.evaluate(False):
+    schlick = Equation(
+        key="visibility.criterion.schlick_smith",
+        title="Schlick's masking is Smith's, for a share 2k of GGX at alpha = 1 and a level rest",
+        symbol=schlick_G1,
+        equals=1 / (1 + 2 * k * Lambda_o),
+        where={Lambda_o: (1 / mu_o - 1) / 2},
+        proof=lambda it: _schlick_steps(it),
+        proved_by="sympy: Lambda of GGX at alpha = 1 put in, which is linear in the density of slopes; k is half that share",
+        slides=(58,),
+        cite="schlick1994",
+        note="So it belongs to a surface if k is at most 1/2, whatever the distribution is that it is used with.",
+    )
+    implicit = Equation(
+        key="visibility.criterion.implicit",
+        title="implicit masking would need twice the surface there is",
+        symbol=f_prime,
+        means=sp.Limit(sp.Derivative(sp.sqrt(1 + x**2) - x, x), x, 0, "+"),
+        equals=sp.Integer(-1),
+        proof=lambda it: [sp.diff(_f(mu_o), x).subs(x, 0) - it.equals, it.means.doit() - it.equals, *_implicit_steps()],
+        proved_by="sympy: f of G1 = cos theta_o is sqrt(1 + x^2) - x, Schlick's for k = 1",
+        slides=(58,),
+        cite="hoffman2010",
+        note="So it belongs to no surface, whatever its distribution.",
+    )
+
+
+def _schlick_steps(it: Equation) -> list[Any]:
+    """The identity; its f; and that f'' is 2k times the density of slopes of GGX."""
+    f, of_ggx = _f(schlick_G1), ggx.P2.equals.doit().subs({alpha: 1, q: x})
+    return [
+        it.symbol - it.equals.subs(it.where).doit(),
+        it.where[Lambda_o].doit() - ggx.Lambda.equals.doit().subs(ggx.a, mu_o / sp.sqrt(1 - mu_o**2)),
+        sp.simplify(f - k * (sp.sqrt(1 + x**2) - x)),
+        sp.simplify(sp.diff(f, x, 2) - 2 * k * of_ggx),
+        sp.limit(f, x, sp.oo),
+        sp.diff(f, x).subs(x, 0) + k,
+    ]
+
+
+def _implicit_steps() -> list[Any]:
+    stated = unphysical.implicit_G1.equals.doit().subs(unphysical.chi(unphysical.om), 1)
+    return [stated - mu_o, _f(mu_o) - _f(schlick_G1).subs(k, 1)]
