@@ -26,7 +26,8 @@ class Model:
     def __init_subclass__(cls) -> None:
         """What `help` shows: the arguments of the constructor, which `__new__` would hide."""
         super().__init_subclass__()
-        cls.__signature__ = _signature(cls)
+        made: Any = cls
+        cls.__signature__ = _signature(made)
 
     def __new__(cls, *args: Any, **kwargs: Any) -> Self:
         made = super().__new__(cls)

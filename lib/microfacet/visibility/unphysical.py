@@ -172,7 +172,7 @@ def schlick_shadowed(
 
 
 class Implicit(Masking):
-    r"""Implicit masking and shadowing, for which the BRDF is D F/4; not of a surface with these normals.
+    r"""Implicit masking and shadowing, for which the BRDF is D F/4; no surface has it.
 
     .. math:: G_2(\omega_o, \omega_i, \omega_m) = \cos\theta_o \cos\theta_i
 
