@@ -58,7 +58,9 @@ def name_base(app: Any, what: str, name: str, thing: Any, options: Any, lines: l
     public = (getattr(microfacet, name) for name in microfacet.PUBLIC)
     pages = {one: one.__name__ for one in public if isinstance(one, type)}
     above = [pages[base] for base in thing.__mro__[1:] if base in pages] if isinstance(thing, type) else []
-    lines[1:1] = ["", f"A subclass of :py:class:`{above[0]}`."] if above else []
+    if above:
+        summary = next(k for k, line in enumerate(lines) if line.strip())
+        lines[summary + 1 : summary + 1] = ["", f"A subclass of :py:class:`{above[0]}`."]
 
 
 INNER = {"panels", "reflected", "sampler", "shown", "smith_lobe"}  # what quadratures and loops ask of a model
