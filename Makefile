@@ -3,6 +3,7 @@
 # make test-slow  the tests that take longer
 # make mutants    one small mistake at a time in the code around the statements: do tests find it? make mutants NUMBER=20 SEED=7: fewer, others
 # make lint       style, types, direction of imports
+# make docs       build/docs/index.html: the documentation of the library, to be read without a network
 # make record     put on record what every statement reached (a build compares with it and never writes it)
 # make bench      time the methods that chapter 7 compares, on a machine with nothing else to do; make bench NAME=brdf: only those
 #
@@ -17,7 +18,7 @@ unexport PYTHONDONTWRITEBYTECODE PYTHONHOME PYTHONPATH VIRTUAL_ENV
 export UV_PYTHON_DOWNLOADS := never
 export PYTHONUTF8 := 1
 
-.PHONY: report test test-slow mutants lint record bench lock clean
+.PHONY: report test test-slow mutants lint docs record bench lock clean
 .DELETE_ON_ERROR:
 
 report: $(READY)
@@ -39,6 +40,11 @@ lint: $(READY)
 	@PYTHONPATH=lib:. $(BIN)/lint-imports --no-cache --no-logo
 	@$(BIN)/snakemake --lint
 
+# Pages that Sphinx makes of docstrings are made anew, so that none is left of a name that is gone.
+docs: $(READY)
+	@rm -rf build/docs build/doctrees docs/reference/api
+	@$(BIN)/sphinx-build --quiet --fail-on-warning --keep-going -d build/doctrees docs build/docs
+
 record: $(READY)
 	@$(BIN)/snakemake $(SNAKEMAKE_OPTIONS) build/ledger.json
 	@$(BIN)/python workflow/ledger.py renew build/ledger.json records/ledger.json
@@ -53,7 +59,7 @@ $(READY): requirements.lock pyproject.toml
 
 # Solve anew within pyproject.toml (the lock is good for every supported Python).
 lock: $(READY)
-	@$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --extra report \
+	@$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --extra report --extra docs \
 	    --generate-hashes --no-header --no-annotate pyproject.toml -o requirements.lock
 
 clean:

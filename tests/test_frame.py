@@ -71,6 +71,16 @@ def test_shapes_broadcast() -> None:
     assert mf.Frame([0, 0, 1]).to_local([0, 0.6, 0.8]).shape == (3,)
 
 
+def test_one_normal_and_many_tangents() -> None:
+    """As many frames as tangents, each the same as alone."""
+    tangents = mf.spherical(np.radians(70), np.linspace(0, 6, 5))
+    w = mf.spherical(0.5, 2.0)
+    frame = mf.Frame([0, 0, 1], tangents)
+    alone = [mf.Frame([0, 0, 1], tangent).to_local(w) for tangent in tangents]
+    np.testing.assert_array_equal(frame.to_local(w), alone)
+    np.testing.assert_allclose(frame.to_world(alone), np.broadcast_to(w, (5, 3)), atol=1e-15)
+
+
 @pytest.mark.parametrize("real", REALS)
 def test_rotation_is_about_the_normal_and_adds_up(real: type) -> None:
     frame = mf.Frame(vectors(20, 7).astype(real))

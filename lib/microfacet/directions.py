@@ -22,7 +22,27 @@ ALPHA_LIMITS = (1e-11, 1e11)  # within, D, masking, densities and samples are nu
 
 
 def spherical(theta: ArrayLike, phi: ArrayLike = 0.0) -> NDArray[Any]:
-    """Unit vectors (..., 3) at polar angle theta and azimuth phi, radians."""
+    """Convert polar angle and azimuth to unit vectors.
+
+    Parameters
+    ----------
+    theta : array_like
+        Polar angle from z, radians.
+    phi : array_like, optional
+        Azimuth from x towards y, radians; by default 0. Shapes broadcast.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        Unit vectors, in double precision.
+
+    Examples
+    --------
+    >>> from math import pi
+    >>> import microfacet as mf
+    >>> print(mf.spherical(pi / 3, pi / 2).round(4))
+    [0.    0.866 0.5  ]
+    """
     theta, phi = np.broadcast_arrays(np.asarray(theta, float), np.asarray(phi, float))
     return np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=-1)
 
@@ -190,13 +210,69 @@ def real_number(value: Any) -> float:
 
 
 def reflect(wo: ArrayLike, wm: ArrayLike) -> NDArray[Any]:
-    """wo mirrored at the microfacet with normal wm: 2 (wo.wm) wm - wo; shapes (..., 3) broadcast."""
+    r"""Mirror a direction at a microfacet.
+
+    .. math:: \omega_i = 2 (\omega_o \cdot \omega_m) \, \omega_m - \omega_o
+
+    Statement ``material.reflection.mirror``.
+
+    Parameters
+    ----------
+    wo : array_like, shape (..., 3)
+        Directions, unit vectors.
+    wm : array_like, shape (..., 3)
+        Microfacet normals, unit vectors; shapes broadcast.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        Mirrored directions, unit vectors.
+
+    Raises
+    ------
+    ValueError
+        If an argument does not hold unit vectors.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> print(mf.reflect([0.6, 0.0, 0.8], [0, 0, 1]))
+    [-0.6  0.   0.8]
+    """
     wo, wm = as_vectors("wo", wo), as_vectors("wm", wm)
     return np.asarray(2 * np.sum(wo * wm, axis=-1, keepdims=True) * wm - wo)
 
 
 def half_vector(wo: ArrayLike, wi: ArrayLike) -> NDArray[Any]:
-    """(wo + wi)/|wo + wi|; where wi = -wo there is none, and the result is 0."""
+    r"""Half vector: the normal of the microfacet that mirrors one direction into the other.
+
+    .. math:: \omega_h = \frac{\omega_o + \omega_i}{\left| \omega_o + \omega_i \right|}
+
+    Statement ``material.reflection.half_vector``.
+
+    Parameters
+    ----------
+    wo : array_like, shape (..., 3)
+        View directions, unit vectors.
+    wi : array_like, shape (..., 3)
+        Light directions, unit vectors; shapes broadcast.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        Unit vectors; the zero vector where the directions are opposite.
+
+    Raises
+    ------
+    ValueError
+        If an argument does not hold unit vectors.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> print(mf.half_vector([0.6, 0.0, 0.8], [0.0, 0.6, 0.8]).round(4))
+    [0.3313 0.3313 0.8835]
+    """
     total = as_vectors("wo", wo) + as_vectors("wi", wi)
     length = np.linalg.norm(total, axis=-1, keepdims=True)
     return np.asarray(np.divide(total, length, out=np.zeros_like(total), where=length > 0))

@@ -14,13 +14,36 @@ PARALLEL = 16  # epsilons: a sine below is rounding
 
 
 class Frame(Model):
-    """An orthonormal, right-handed frame at a point of a surface: x along the tangent, z along the normal.
+    """Orthonormal, right-handed frame at a point of a surface: x along the tangent, z along the normal.
 
-    normal, tangent: (..., 3) of any lengths above 0, such as those of every pixel; shapes broadcast. Of the tangent only what
-    is at right angles to the normal counts (Gram-Schmidt). Without one, x and y are any two such directions, which change
-    continuously but for where the normal's z changes sign (duff2017). float32 in gives float32 out. ValueError where a
-    vector is zero, and where tangent and normal are parallel.
-    x, y, z: the axes (..., 3), unit vectors.
+    Parameters
+    ----------
+    normal : array_like, shape (..., 3)
+        Surface normals of any length above 0.
+    tangent : array_like, shape (..., 3), optional
+        Tangents of any length above 0; the part at right angles to the normal counts (Gram-Schmidt). By default x and y
+        are any two such directions, continuous except where the normal's z changes sign. Shapes broadcast.
+
+    Attributes
+    ----------
+    x, y, z : ndarray, shape (..., 3)
+        The axes, unit vectors.
+
+    Raises
+    ------
+    ValueError
+        Where a vector is zero, or where tangent and normal are parallel.
+
+    References
+    ----------
+    duff2017.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> frame = mf.Frame([0, 1, 0], [0, 0, 1])
+    >>> print(frame.to_local([0.0, 0.8, 0.6]))
+    [0.6 0.  0.8]
     """
 
     def __init__(self, normal: Any, tangent: Any = None) -> None:
@@ -29,17 +52,84 @@ class Frame(Model):
         self.y = np.cross(self.z, self.x)
 
     def to_local(self, w: ArrayLike) -> np.ndarray:
-        """Directions of the scene (..., 3) as the library takes them: components along x, y and z."""
+        """Convert directions of the scene to the frame, in which the library takes them.
+
+        Parameters
+        ----------
+        w : array_like, shape (..., 3)
+            Directions in the coordinates of the scene.
+
+        Returns
+        -------
+        ndarray, shape (..., 3)
+            Components along x, y and z.
+
+        Raises
+        ------
+        ValueError
+            If w has another shape or is not finite.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> print(mf.Frame([0, 1, 0], [0, 0, 1]).to_local([0.0, 0.8, 0.6]))
+        [0.6 0.  0.8]
+        """
         w = _vectors("w", w)
-        return np.stack([np.sum(w * axis, axis=-1) for axis in (self.x, self.y, self.z)], axis=-1)
+        return np.stack(np.broadcast_arrays(*(np.sum(w * axis, axis=-1) for axis in (self.x, self.y, self.z))), axis=-1)
 
     def to_world(self, w: ArrayLike) -> np.ndarray:
-        """Directions of the library (..., 3) as those of the scene; the inverse of `to_local`."""
+        """Convert directions of the frame to the scene; the inverse of `to_local`.
+
+        Parameters
+        ----------
+        w : array_like, shape (..., 3)
+            Components along x, y and z.
+
+        Returns
+        -------
+        ndarray, shape (..., 3)
+            Directions in the coordinates of the scene.
+
+        Raises
+        ------
+        ValueError
+            If w has another shape or is not finite.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> print(mf.Frame([0, 1, 0], [0, 0, 1]).to_world([0.6, 0.0, 0.8]))
+        [0.  0.8 0.6]
+        """
         w = _vectors("w", w)
         return np.asarray(w[..., :1] * self.x + w[..., 1:2] * self.y + w[..., 2:] * self.z)
 
     def rotated(self, angle: ArrayLike) -> Frame:
-        """The frame rotated about its normal, x towards y, by an angle (...) in radians."""
+        """Rotate the frame about its normal, x towards y.
+
+        Parameters
+        ----------
+        angle : array_like
+            Angle, radians.
+
+        Returns
+        -------
+        Frame
+            The rotated frame.
+
+        Raises
+        ------
+        ValueError
+            If an angle is not finite.
+
+        Examples
+        --------
+        >>> from math import pi
+        >>> import microfacet as mf
+        >>> print(mf.Frame([0, 0, 1], [1, 0, 0]).rotated(pi / 2).x.round(4))
+        [0. 1. 0.]
+        """
         angle = numbers("angle", angle).checked().astype(self.x.dtype)[..., None]
         return Frame(self.z, np.cos(angle) * self.x + np.sin(angle) * self.y)
 

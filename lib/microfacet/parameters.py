@@ -62,13 +62,32 @@ class Parametric(Model):
 
     @property
     def batch_shape(self) -> tuple[int, ...]:
-        """Of its parameters: () if all are numbers, else the shape to which the arrays among them broadcast."""
+        """Shape to which the parameters that are arrays broadcast; () if all are numbers."""
         return np.broadcast_shapes(*(array.shape for array in _arrays(self.parameters)))
 
     def at(self, *index: int) -> Self:
-        """The same model with the parameters that it has at one place of `batch_shape`, numbers all of them.
+        """Model at one place of `batch_shape`, with numbers for parameters.
 
-        IndexError for a place outside.
+        Parameters
+        ----------
+        *index : int
+            An index for each axis of `batch_shape`.
+
+        Returns
+        -------
+        Self
+            A model of the same class.
+
+        Raises
+        ------
+        IndexError
+            For a place outside, or another number of indices.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> mf.Smith(mf.GGX([0.1, 0.2, 0.4])).at(1)
+        Smith(GGX(0.2, 0.2))
         """
         whole = np.empty(self.batch_shape, [])[index]  # an IndexError names the axis
         if np.ndim(whole):
@@ -79,14 +98,44 @@ class Parametric(Model):
         return type(self)(*bound.args, **bound.kwargs)
 
     def distinct(self) -> tuple[list[tuple[int, ...]], np.ndarray]:
-        """A place for each set of parameters that differs from all others, and for each place which of the sets it has."""
+        """Distinct sets of parameters, for work that is done once for each.
+
+        Returns
+        -------
+        places : list of tuple of int
+            A place for each set that differs from all others, for `at`.
+        which : ndarray of int, shape batch_shape
+            For each place the index of its set.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> mf.GGX([0.1, 0.2, 0.1]).distinct()
+        ([(0,), (1,)], array([0, 1, 0]))
+        """
         rows = [np.broadcast_to(array, self.batch_shape).ravel() for array in _arrays(self.parameters)]
         _, first, which = np.unique(np.stack(rows, axis=1), axis=0, return_index=True, return_inverse=True)
         places = zip(*np.unravel_index(first, self.batch_shape), strict=True)
         return [tuple(map(int, place)) for place in places], which.reshape(self.batch_shape)
 
     def require_numbers(self, what: str) -> None:
-        """A ValueError unless all parameters are numbers. what: what needs them to be."""
+        """Refuse parameters that are arrays.
+
+        Parameters
+        ----------
+        what : str
+            What needs numbers, for the message.
+
+        Raises
+        ------
+        ValueError
+            If a parameter is an array.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> mf.GGX(0.3).require_numbers("my quadrature")
+        """
         if self.batch_shape:
             told = f"{self!r} of shape {self.batch_shape}, of which `at` gives one"
             raise ValueError(f"{what} takes numbers for parameters, got {told}")

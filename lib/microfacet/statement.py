@@ -35,19 +35,53 @@ Ulps = tuple[float, float]
 
 @dataclass(frozen=True, eq=False)
 class Equation:
-    """A statement.
+    r"""A statement: an equation, its proof, its kernel, and the domain and accuracy it promises.
 
-    key: dotted name, stage first. title: what it says, in words. symbol: the left-hand side.
-    means: the definition. equals: the closed form. computed_as: the closed form rewritten so that it keeps its digits.
-    computed_by: a kernel written by hand, where no rewriting suffices; checked against the exact value all the same.
-    over: the arguments, in order: a symbol with its interval, or a Direction with "hemisphere" or "sphere".
-    within: the promised error of the kernel in ulps, (double, single).
-    where: what arguments, and symbols that other statements define, stand for in printed symbols.
-    relation: "=" or, for a bound, "<", ">", r"\\le" or r"\\ge", or r"\\ne"; r"\\approx" for a fit.
-    proof: gives, perhaps from the statement, the expressions that sympy must find to be zero, in place of (means - equals);
-    rewrite_proof: likewise in place of (computed_as - equals). proved_by: how, in words.
-    enclosed: from the statement, proved balls that hold its left side minus its right; or the keys of statements that do.
-    slides: where in the talk. cite: BibTeX key and equation. note: what a reader should know.
+    Parameters
+    ----------
+    key : str
+        Dotted name, stage first.
+    title : str
+        What it states, in words.
+    symbol : sympy expression
+        The left-hand side.
+    means : sympy expression, optional
+        The definition.
+    equals : sympy expression, optional
+        The closed form.
+    computed_as : sympy expression, optional
+        The closed form rewritten so that it keeps its digits.
+    computed_by : callable, optional
+        A kernel written by hand, where no rewriting suffices; tested against the exact value all the same.
+    over : mapping, optional
+        The arguments in order: a symbol with its interval, or a Direction with ``"hemisphere"`` or ``"sphere"``.
+    within : pair of float, optional
+        Promised error of the kernel in ulps, in double and in single precision.
+    where : mapping, optional
+        What arguments, and symbols that other statements define, stand for in printed symbols.
+    relation : str, optional
+        ``"="`` or, for a bound, ``"<"``, ``">"``, ``r"\le"``, ``r"\ge"`` or ``r"\ne"``; ``r"\approx"`` for a fit.
+    proof : callable, optional
+        Gives, perhaps from the statement, the expressions that sympy must find to be zero, in place of means - equals.
+    rewrite_proof : callable, optional
+        Likewise in place of computed_as - equals.
+    proved_by : str, optional
+        How it is proved, in words.
+    enclosed : callable or tuple of str, optional
+        From the statement, proved balls that hold its left side minus its right; or the keys of statements that do.
+    slides : tuple of int, optional
+        Slides of the talk.
+    cite : str, optional
+        BibTeX key and equation number.
+    note : str, optional
+        What a reader should know.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> statement = mf.equations["visibility.ggx.Lambda"]
+    >>> print(statement.title, statement.cite, statement.within)
+    Smith's Lambda for GGX heitz2014, eq. 72 (8.0, 8.0)
     """
 
     key: str
@@ -86,7 +120,7 @@ class Equation:
 
     @property
     def latex(self) -> str:
-        """The statement as the report prints it: symbol = definition = closed form."""
+        """LaTeX of the statement as the report prints it: symbol = definition = closed form."""
         left, *right = [latex(e) for e in (self.symbol, self.means, self.equals) if e is not None]
         signs = ["="] * (len(right) - 1) + [self.relation]
         width = sum(map(_printed_width, [left, *right]))
@@ -114,7 +148,29 @@ class Equation:
         raise AssertionError
 
     def exact(self, *arguments: Any) -> mpmath.mpf:
-        """The value at the given arguments, taken as exact binary numbers, to 50 digits."""
+        """Value to 50 digits.
+
+        Parameters
+        ----------
+        *arguments : float or mpmath.mpf
+            Numbers in the order of ``over``, taken as exact; a direction counts as three.
+
+        Returns
+        -------
+        mpmath.mpf
+            Value of the statement's right-hand side.
+
+        Raises
+        ------
+        ArithmeticError
+            If 50 digits cannot be had.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> print(mf.equations["visibility.ggx.Lambda"].exact(2.0))
+        0.0590169943749474
+        """
         return self._reference(*arguments)
 
     @cached_property
@@ -133,9 +189,28 @@ class Equation:
         return Batch(packed(self.scalar, len(self.arguments), 0), [1] * len(self.arguments))
 
     def kernel(self, *arguments: Any) -> Any:
-        """The statement over arrays, in double precision or, for float32 arguments, in single.
+        """Value over arrays, in double precision or, for float32 arguments, in single.
 
-        ValueError for another number of arguments, and for what is no array of real numbers.
+        Parameters
+        ----------
+        *arguments : array_like
+            Numbers in the order of ``over``; shapes broadcast. A direction counts as three.
+
+        Returns
+        -------
+        ndarray
+            Value of the statement's right-hand side, within the promised error.
+
+        Raises
+        ------
+        ValueError
+            For another number of arguments, and for anything but real numbers.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> print(f"{mf.equations['visibility.ggx.Lambda'].kernel(2.0):.12f}")
+        0.059016994375
         """
         if len(arguments) != len(self.arguments):
             raise ValueError(f"{self.key} takes {len(self.arguments)} arguments {self.arguments}, got {len(arguments)}")
@@ -144,14 +219,26 @@ class Equation:
     # --- check ------------------------------------------------------------------------------------------------
 
     def check(self) -> Any:
-        """Prove, bound and measure the statement; see microfacet.checks.Record."""
+        """Prove the statement, and compare its kernel with the exact value over the whole domain.
+
+        Returns
+        -------
+        microfacet.checks.Record
+            What was found, by kind of check.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> mf.equations["visibility.implicit.G1"].check().verdict
+        'pass'
+        """
         from microfacet.checks import check as find_out
 
         return find_out(self)
 
     @property
     def fingerprint(self) -> str:
-        """Changes when, and only when, the outcome of the checks may change."""
+        """A digest that changes when, and only when, the outcome of the checks may change."""
         return hashlib.sha256("\n".join([_checker(), *_content(self, set())]).encode()).hexdigest()[:20]
 
 
@@ -338,7 +425,17 @@ def _place(key: str) -> tuple[int, str]:
 
 
 class Equations(Mapping[str, Equation]):
-    """Every statement of the library by its key, in the order of the talk; then those of other stages, by their names."""
+    """All statements of the library, a mapping from their keys to `Equation`, in the order of the talk; then those of
+    other stages, by their names.
+
+    ``mf.equations`` is the one object of this class.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> mf.equations["visibility.ggx.Lambda"].title
+    "Smith's Lambda for GGX"
+    """
 
     def _load(self) -> dict[str, Equation]:
         load()
@@ -362,7 +459,19 @@ class Equations(Mapping[str, Equation]):
         return len(self._load())
 
     def fingerprints(self) -> dict[str, str]:
-        """For each key a digest that changes when the outcome of its checks may change."""
+        """Digests of all statements, each of which changes when the outcome of its checks may change.
+
+        Returns
+        -------
+        dict of str to str
+            A digest for each key.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> len(mf.equations.fingerprints()) == len(mf.equations)
+        True
+        """
         return {key: self[key].fingerprint for key in self}
 
 

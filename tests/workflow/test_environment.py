@@ -9,15 +9,20 @@ import sys
 import tomllib
 from pathlib import Path
 
+import microfacet
+import provenance
 import pytest
 import yaml
+from hatchling.metadata.core import ProjectMetadata
+from hatchling.plugin.manager import PluginManager
 from packaging.markers import default_environment
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
-DIRECT = [Requirement(text) for text in (*PROJECT["dependencies"], *PROJECT["optional-dependencies"]["report"])]
+LOCKED = (PROJECT["dependencies"], *(PROJECT["optional-dependencies"][extra] for extra in ("report", "docs")))
+DIRECT = [Requirement(text) for extra in LOCKED for text in extra]
 PYTHONS = ("3.11", "3.12", "3.13")
 HOST = re.compile(r"\w://|index-url|find-links|trusted-host|pythonhosted", re.I)
 
@@ -61,9 +66,18 @@ def test_conda_has_the_same_names_and_versions() -> None:
     assert ours == {canonicalize_name(r.name): "==" + version_for(r.name, "3.11") for r in DIRECT}
 
 
-def test_the_citation_names_the_version() -> None:
+def test_the_version_is_stated_in_one_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The library says it; what builds and installs it, and the report, read it there."""
+    monkeypatch.chdir(ROOT)
+    assert "version" not in PROJECT
+    assert PROJECT["dynamic"] == ["version"]
+    assert "version" not in yaml.safe_load((ROOT / "CITATION.cff").read_text("utf-8"))
+    built = ProjectMetadata(str(ROOT), PluginManager()).hatch.version.source.get_version_data()["version"]
+    assert provenance.version() == built == microfacet.__version__
+
+
+def test_the_citation_names_the_licence() -> None:
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text("utf-8"))
-    assert citation["version"] == PROJECT["version"]
     assert citation["license"] == PROJECT["license"]
 
 

@@ -266,7 +266,6 @@ def test_what_one_figure_needs_is_looked_at_too(built: Checkout) -> None:
         ("records/ledger.json", "[]", "records/ledger.json is missing, torn or empty"),
         ("chapters/references.bib", None, "chapters/references.bib is missing: `git checkout"),
         ("requirements.lock", None, "requirements.lock is missing: `git checkout"),
-        ("pyproject.toml", "[project", "pyproject.toml does not state the project's version"),
         ("chapters/1_visibility.md", "\udcff", "chapters/1_visibility.md is no text in UTF-8"),
         ("figures/visibility/plain.py", "\udcff", "figures/visibility/plain.py is no text in UTF-8"),
         ("lib/microfacet/geometry/ggx.py", "\udcff", "The library in lib/ cannot state its equations: "),

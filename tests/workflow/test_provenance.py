@@ -6,7 +6,7 @@ import subprocess
 
 import pytest
 from checkout import Checkout
-from provenance import provenance
+from provenance import provenance, version
 
 IDENTITY = ("-c", "user.name=Test", "-c", "user.email=test@example.org")
 
@@ -42,3 +42,10 @@ def test_a_folder_inside_another_repository(small: Checkout, monkeypatch: pytest
 def test_a_machine_without_git(small: Checkout, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", "")
     assert provenance()["tree"] == "unknown"
+
+
+def test_the_version_is_the_librarys(small: Checkout) -> None:
+    assert provenance()["version"] == "0.0.1"
+    small.path("lib/microfacet/__init__.py").write_text("PUBLIC = {}\n")
+    with pytest.raises(SystemExit, match=r"lib/microfacet/__init__.py does not state the project's version\."):
+        version()

@@ -322,14 +322,40 @@ def series(steps: int, turns: int) -> Batch:
 
 
 class Compensated(BRDF):
-    """A BRDF of one bounce with the light of later bounces made up for. kulla2017; turquin2019.
+    r"""BRDF of one bounce, with the energy of later bounces put back.
 
-    brdf: of a model of masking. form: "lobe" adds a lobe that knows two cosines only, "scaled" makes the first bounce
-    brighter; by either the albedo is 1 for F = 1, where one bounce keeps some light. Only "lobe" lets light and viewer change
-    places. Samples are those of one bounce and, as often as the lobe has light, its own, by a table over their cosine.
-    `evaluate` keeps this as far as a series of the albedo of perfect mirrors is right: `off` bounds its error, absolute
-    for "lobe", of the albedo for "scaled". How far either is from what later bounces do is measured, not bounded: see the
-    report. ValueError for other forms, for models that reflect more light than they get, and where `off` is above 3 %.
+    With the albedo E of one bounce off perfect mirrors, its mean :math:`\bar{E}`, and a factor f that depends on the
+    reflectance, the two forms are
+
+    .. math:: \rho + f \, \frac{\left( 1 - E(\omega_o) \right) \left( 1 - E(\omega_i) \right)}{\pi \left( 1 - \bar{E} \right)}
+              \quad \text{and} \quad \rho \left( 1 + F_0 \, \frac{1 - E(\omega_o)}{E(\omega_o)} \right).
+
+    For F = 1 the albedo is 1. E comes from a series; the attribute ``off`` bounds its error, absolute for ``"lobe"``,
+    relative for ``"scaled"``. How far either is from what later bounces really do is measured in the report, not bounded.
+
+    Parameters
+    ----------
+    brdf : Microfacet
+        BRDF of one bounce, with numbers for parameters.
+    form : {"lobe", "scaled"}, optional
+        Add a lobe (the first form, reciprocal), or scale the BRDF (the second, not reciprocal).
+
+    Raises
+    ------
+    ValueError
+        For another form, for a model that reflects more light than it gets, and where ``off`` is above 3 %.
+
+    References
+    ----------
+    kulla2017 (lobe); turquin2019 (scaled).
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> once = mf.Microfacet(mf.Smith(mf.GGX(0.8)))
+    >>> wo = [0.6, 0.0, 0.8]
+    >>> print(f"{once.albedo(wo):.4f} {mf.Compensated(once).albedo(wo):.4f}")
+    0.4603 1.0000
     """
 
     def __init__(self, brdf: Microfacet, form: str = "lobe") -> None:
@@ -368,14 +394,38 @@ class Compensated(BRDF):
         return float(bounces.scalar(F, self.mean_albedo)), slopes[0] * error + slopes[1] * off
 
     def evaluate(self, wo: ArrayLike, wi: ArrayLike, out: NDArray[Any] | None = None) -> NDArray[Any]:
-        """The BRDF, 1/sr, shapes (..., 3) -> (...); 0 if either direction is below the horizon."""
+        """Value of the BRDF, in 1/sr, without the cosine of the light.
+
+        Parameters
+        ----------
+        wo : array_like, shape (..., 3)
+            View directions, unit vectors.
+        wi : array_like, shape (..., 3)
+            Light directions, unit vectors; shapes broadcast.
+        out : ndarray, optional
+            Array of the result's shape and precision to fill and return; its contents are undefined after an error.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            BRDF, 1/sr; 0 if either direction is below the horizon.
+
+        Raises
+        ------
+        ValueError
+            If an argument does not hold unit vectors, or if out does not fit.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> brdf = mf.Compensated(mf.Microfacet(mf.Smith(mf.GGX(0.8))))
+        >>> print(f"{brdf.evaluate([0.6, 0.0, 0.8], [-0.6, 0.0, 0.8]):.4f}")
+        0.3550
+        """
         return self._batch([vectors("wo", wo), vectors("wi", wi)], self.parameters, out)
 
     def sample(self, wo: ArrayLike, u: ArrayLike) -> NDArray[Any]:
-        """Light directions with density `pdf`, shapes (..., 3) and (..., 2) -> (..., 3), for u in [0, 1).
-
-        The first number of u chooses between both lobes, and what is left of it goes on: points of a sequence stay even.
-        """
+        # The first number of u chooses between both lobes, and what is left of it goes on: points of a sequence stay even.
         if self.form == "scaled":
             return self.brdf.sample(wo, u)
         wo, u = as_vectors("wo", wo), as_uniform("u", u)
@@ -389,7 +439,6 @@ class Compensated(BRDF):
         return np.where(of_lobe[..., None], self._heights.sample(wo, v), self.brdf.sample(wo.astype(real), v))
 
     def pdf(self, wo: ArrayLike, wi: ArrayLike) -> NDArray[Any]:
-        """Density of `sample` over the whole sphere, 1/sr, shapes (..., 3) -> (...)."""
         single = self.brdf.pdf(wo, wi)
         if self.form == "scaled":
             return single
@@ -397,10 +446,7 @@ class Compensated(BRDF):
         return (chance * self._heights.pdf(wo, wi) + (1 - chance) * single).astype(single.dtype)[()]
 
     def weight(self, wo: ArrayLike, wi: ArrayLike) -> NDArray[Any]:
-        """The BRDF times cos theta_i over `pdf`, shapes (..., 3) -> (...); 0 if either direction is below the horizon.
-
-        D does not occur in it where only one bounce has light, so that it is right also where D is too large for a number.
-        """
+        # D does not occur in it where only one bounce has light, so it is right also where D is too large for a number.
         once = self.brdf.weight(wo, wi)
         if self.form == "scaled":
             return (once * stated_scale(self.added, np.exp(-self._dimming(wo)))).astype(once.dtype)
@@ -423,8 +469,7 @@ class Compensated(BRDF):
         return np.divide(lobe, lobe + single, out=np.zeros_like(lobe), where=lobe + single > 0)
 
     def albedo_with_error(self, wo: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
-        """The albedo, and a bound of its error: of the quadratures, and of the means. `evaluate` has it from a series, which
-        may be off by `off` more: of the albedo of perfect mirrors, absolutely for "lobe", and of it for "scaled"."""
+        # The error is that of the quadratures and of the means; `evaluate` has the albedo from a series, with `off` more.
         (once, once_error), (kept, kept_error) = self.brdf.albedo_with_error(wo), self.mirrors.albedo_with_error(wo)
         above = kept > 0
         lacked = np.where(above, 1 - kept, 0)

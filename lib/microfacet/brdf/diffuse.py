@@ -405,11 +405,37 @@ EVEN = CosineTable()
 
 
 class Diffuse(BRDF):
-    """The BRDF of matt facets over a model of masking and shadowing, by quadrature. oren1994; heitz2014.
+    r"""BRDF of matt microfacets, by quadrature, for light that bounces once.
 
-    albedo: the share of light that a facet scatters, in (0, 1]. Light that meets a second facet is not followed. Values have
-    six digits at least, and the errors told are bounds, of distributions that change, in slopes over their scale, over no less
-    than a tenth of a slope's size along it and across it.
+    .. math:: \rho(\omega_o, \omega_i) = \frac{1}{\cos\theta_o \cos\theta_i} \int_{\Omega} \frac{a}{\pi}
+              \left\langle \omega_o, \omega_m \right\rangle \left\langle \omega_i, \omega_m \right\rangle
+              G_2(\omega_o, \omega_i, \omega_m) \, D(\omega_m) \, d\omega_m
+
+    with the albedo a of a microfacet. Values have at least six digits if D, as a function of slopes over their scale, changes
+    over no less than a tenth of a slope's size. Samples are drawn in proportion to the cosine.
+
+    Parameters
+    ----------
+    model : Masking
+        Model of masking and shadowing, with numbers for parameters.
+    albedo : float, optional
+        Fraction of the light that a microfacet scatters, in (0, 1].
+
+    Raises
+    ------
+    ValueError
+        If an argument is of another kind, or albedo outside its range.
+
+    References
+    ----------
+    oren1994; heitz2014.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> brdf = mf.Diffuse(mf.Smith(mf.GGX(0.5)))
+    >>> print(f"{brdf.evaluate([0.6, 0.0, 0.8], [0.6, 0.0, 0.8]):.4f} {brdf.evaluate([0.6, 0.0, 0.8], [-0.6, 0.0, 0.8]):.4f}")
+    0.2885 0.2163
     """
 
     def __init__(self, model: Masking, albedo: float = 1.0) -> None:
@@ -422,11 +448,37 @@ class Diffuse(BRDF):
         self._batch = ray_batch(type(model.ndf).kernel, model.G2_kernel)
 
     def evaluate(self, wo: ArrayLike, wi: ArrayLike) -> NDArray[Any]:
-        """The BRDF, 1/sr, shapes (..., 3) -> (...); 0 if either direction is below the horizon. oren1994."""
         return self.evaluate_with_error(wo, wi)[0]
 
     def evaluate_with_error(self, wo: ArrayLike, wi: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
-        """The BRDF, and a bound of its error, from how far two rules differ and from rounding."""
+        """Value of the BRDF, in 1/sr, and a bound of its error.
+
+        Parameters
+        ----------
+        wo : array_like, shape (..., 3)
+            View directions, unit vectors.
+        wi : array_like, shape (..., 3)
+            Light directions, unit vectors; shapes broadcast.
+
+        Returns
+        -------
+        value : ndarray, shape (...)
+            BRDF, 1/sr; 0 if either direction is below the horizon.
+        error : ndarray, shape (...)
+            Bound of its error, absolute, from the difference of two rules and from rounding.
+
+        Raises
+        ------
+        ValueError
+            If an argument does not hold unit vectors.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> value, error = mf.Diffuse(mf.Smith(mf.GGX(0.5))).evaluate_with_error([0.6, 0.0, 0.8], [0, 0, 1])
+        >>> print(f"{value:.5f}", error < 1e-6 * value)
+        0.25645 True
+        """
         o, i = np.broadcast_arrays(as_vectors("wo", wo), as_vectors("wi", wi))
         dtype, shape = np.result_type(o, i), o.shape[:-1]
         o, i = (w.reshape(-1, 3).astype(np.float64) for w in (o, i))
@@ -441,17 +493,14 @@ class Diffuse(BRDF):
         return value[()], error[()]
 
     def sample(self, wo: ArrayLike, u: ArrayLike) -> NDArray[Any]:
-        """Light directions with density cos theta_i/pi, shapes (..., 3) and (..., 2) -> (..., 3), for u in [0, 1); the zero
-        vector where wo is below the horizon. What a sample weighs is pi times the BRDF, which varies little."""
+        # By the cosine: the weight is pi times the BRDF, which varies little.
         return EVEN.sample(wo, u)
 
     def pdf(self, wo: ArrayLike, wi: ArrayLike) -> NDArray[Any]:
-        """Density of `sample`, 1/sr, shapes (..., 3) -> (...); 0 if either direction is below the horizon."""
         return EVEN.pdf(wo, wi)
 
     def albedo_with_error(self, wo: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
-        """The albedo by quadrature over the hemisphere, and a bound of its error, from coarser rules, from the errors of the
-        BRDF, and from rounding; shapes (..., 3) -> (...)."""
+        # By quadrature over the hemisphere; the error is from coarser rules, from the errors of the BRDF, and from rounding.
         views = as_vectors("wo", wo)
         wide = views.astype(np.float64)
         sums = []

@@ -408,12 +408,35 @@ class Later(NamedTuple):
 
 
 class RandomWalk(BRDF):
-    """Light after any number of bounces on a surface of Smith's model, height-correlated, over GGX or Beckmann. heitz2016.
+    r"""BRDF of mirror-like microfacets for light that bounces any number of times, by random walks.
 
-    model: such a model. fresnel: the reflectance of a facet (None: F = 1); what a facet does not reflect is lost, as in a
-    conductor. Facets are mirrors and light takes straight rays. Results are means over random walks, with their errors; they
-    depend on the seed, not on the number of threads. ValueError for other models, for numbers of walks below 2 and for
-    seeds that are no whole numbers from 0.
+    Exact for Smith's height-correlated model: the heights and normals that light meets do not depend on each other. Results
+    are means over random walks; they depend on the seed, not on the number of threads. What a microfacet does not reflect is
+    lost.
+
+    Parameters
+    ----------
+    model : Smith
+        Height-correlated model over GGX or Beckmann, with numbers for parameters.
+    fresnel : Fresnel, optional
+        Reflectance of a microfacet; by default 1.
+
+    Raises
+    ------
+    ValueError
+        For another model.
+
+    References
+    ----------
+    heitz2016.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> brdf = mf.RandomWalk(mf.Smith(mf.GGX(0.8)))
+    >>> value, error = brdf.albedo_with_error([0.6, 0.0, 0.8], walks=1024)
+    >>> bool(abs(value - 1) <= error)  # no light is lost
+    True
     """
 
     def __init__(self, model: Smith, fresnel: Fresnel | None = None) -> None:
@@ -427,10 +450,36 @@ class RandomWalk(BRDF):
         self._kernels = (model.Lambda_kernel, facet, type(self.fresnel).kernel)
 
     def walk(self, wo: ArrayLike, u: ArrayLike) -> Walks:
-        """Walks from wo (..., 3), one for each u (..., 2) in [0, 1): where light leaves, its weight, its bounces.
+        """Walk light from wo until it leaves the surface.
 
-        u names the walk: all its random numbers are drawn from a stream that u starts. Zero vectors of weight 0 where wo is
-        below the horizon, after 0 bounces, and where light has not left after `LONGEST`.
+        Parameters
+        ----------
+        wo : array_like, shape (..., 3)
+            View directions, unit vectors.
+        u : array_like, shape (..., 2)
+            Uniform numbers in [0, 1); each pair names a walk. Shapes broadcast.
+
+        Returns
+        -------
+        wi : ndarray, shape (..., 3)
+            Directions in which light leaves; the zero vector where wo is below the horizon, or where light has not left.
+        weight : ndarray, shape (...)
+            Product of all reflectances; 0 where wi is the zero vector.
+        bounces : ndarray of int, shape (...)
+            Number of bounces.
+
+        Raises
+        ------
+        ValueError
+            If wo does not hold unit vectors, or if u is outside [0, 1).
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> brdf = mf.RandomWalk(mf.Smith(mf.GGX(0.8)))
+        >>> wi, weight, bounces = brdf.walk([0.6, 0.0, 0.8], [0.5, 0.25])
+        >>> print(weight, bounces >= 1)
+        1.0 True
         """
         wo, u = as_vectors("wo", wo), as_uniform("u", u)
         found = self._walked(wo, u)
@@ -440,35 +489,191 @@ class RandomWalk(BRDF):
         return Walks(wi.astype(real), weight.astype(real), found[..., 4].astype(np.int64))
 
     def sample(self, wo: ArrayLike, u: ArrayLike) -> NDArray[Any]:
-        """Light directions of `walk`, shapes (..., 3) and (..., 2) -> (..., 3), with the density of `pdf_with_error`."""
         return self.walk(wo, u).wi
 
     def evaluate(self, wo: ArrayLike, wi: ArrayLike, walks: int = 256, seed: int = 0) -> NDArray[Any]:
-        """The BRDF, 1/sr, shapes (..., 3) -> (...), by `evaluate_with_error`; 0 if either direction is below the horizon."""
+        """Value of the BRDF, in 1/sr, without the cosine of the light; an estimate.
+
+        Parameters
+        ----------
+        wo : array_like, shape (..., 3)
+            View directions, unit vectors.
+        wi : array_like, shape (..., 3)
+            Light directions, unit vectors; shapes broadcast.
+        walks : int, optional
+            Number of random walks, at least 2.
+        seed : int, optional
+            Seed of their random numbers, from 0.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            BRDF, 1/sr, as `evaluate_with_error` has it; 0 if either direction is below the horizon.
+
+        Raises
+        ------
+        ValueError
+            If an argument does not hold unit vectors, or if walks or seed is outside its range.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> brdf = mf.RandomWalk(mf.Smith(mf.GGX(0.8)))
+        >>> once = mf.Microfacet(brdf.model).evaluate([0.6, 0.0, 0.8], [0, 0, 1])
+        >>> bool(brdf.evaluate([0.6, 0.0, 0.8], [0, 0, 1]) > once)
+        True
+        """
         return self.evaluate_with_error(wo, wi, walks, seed).value
 
     def evaluate_with_error(self, wo: ArrayLike, wi: ArrayLike, walks: int = 256, seed: int = 0) -> Estimate:
-        """The BRDF, 1/sr, shapes (..., 3) -> (...): the first bounce exactly, later ones as a mean over so many walks from
-        wo; 0 if either direction is below the horizon. The error is a bound, but for odds of 1e-5, if no walk sends much more
-        to wi than the one that sends most did: five standard errors and 38 times this walk's part in the mean."""
+        """Value of the BRDF, in 1/sr, and a bound of its error.
+
+        The first bounce is exact, later ones are a mean over walks from wo.
+
+        Parameters
+        ----------
+        wo : array_like, shape (..., 3)
+            View directions, unit vectors.
+        wi : array_like, shape (..., 3)
+            Light directions, unit vectors; shapes broadcast.
+        walks : int, optional
+            Number of random walks, at least 2.
+        seed : int, optional
+            Seed of their random numbers, from 0.
+
+        Returns
+        -------
+        value : ndarray, shape (...)
+            BRDF, 1/sr; 0 if either direction is below the horizon.
+        error : ndarray, shape (...)
+            Bound of its error, absolute, that fails with odds of 1e-5 if no walk sends much more to wi than the one that
+            sends most did: five standard errors and 38 times the part of this walk in the mean.
+
+        Raises
+        ------
+        ValueError
+            If an argument does not hold unit vectors, or if walks or seed is outside its range.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> brdf = mf.RandomWalk(mf.Smith(mf.GGX(0.8)))
+        >>> value, error = brdf.evaluate_with_error([0.6, 0.0, 0.8], [0, 0, 1])
+        >>> bool(0 < error < value)
+        True
+        """
         once = self.single.evaluate(wo, wi)
         found, count = self._connected(wo, wi, walks, seed), whole("walks", walks, 2)
         error = mean_bound(_scatter(found, count)[..., 1] ** 2 * count, found[..., 4], count)
         return Estimate(once + found[..., 1].astype(once.dtype), error.astype(once.dtype))
 
     def pdf(self, wo: ArrayLike, wi: ArrayLike, walks: int = 256, seed: int = 0) -> NDArray[Any]:
-        """Density of `sample`, 1/sr, shapes (..., 3) -> (...), as `pdf_with_error` has it."""
+        """Density of the light directions that `sample` draws, in 1/sr; an estimate.
+
+        Parameters
+        ----------
+        wo : array_like, shape (..., 3)
+            View directions, unit vectors.
+        wi : array_like, shape (..., 3)
+            Light directions, unit vectors; shapes broadcast.
+        walks : int, optional
+            Number of random walks, at least 2.
+        seed : int, optional
+            Seed of their random numbers, from 0.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            Probability density, 1/sr, as `pdf_with_error` has it.
+
+        Raises
+        ------
+        ValueError
+            If an argument does not hold unit vectors, or if walks or seed is outside its range.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> brdf = mf.RandomWalk(mf.Smith(mf.GGX(0.8)))
+        >>> bool(brdf.pdf([0.6, 0.0, 0.8], [0, 0, 1]) > 0)
+        True
+        """
         return self.pdf_with_error(wo, wi, walks, seed).value
 
     def pdf_with_error(self, wo: ArrayLike, wi: ArrayLike, walks: int = 256, seed: int = 0) -> Estimate:
-        """The density as the BRDF of F = 1 times cos theta_i, by the walks of `evaluate`, and its error as there."""
+        """Density of the light directions that `sample` draws, in 1/sr, and a bound of its error.
+
+        It is the BRDF of F = 1 times the cosine of the light.
+
+        Parameters
+        ----------
+        wo : array_like, shape (..., 3)
+            View directions, unit vectors.
+        wi : array_like, shape (..., 3)
+            Light directions, unit vectors; shapes broadcast.
+        walks : int, optional
+            Number of random walks, at least 2.
+        seed : int, optional
+            Seed of their random numbers, from 0.
+
+        Returns
+        -------
+        value : ndarray, shape (...)
+            Probability density, 1/sr.
+        error : ndarray, shape (...)
+            Bound of its error, absolute, as that of `evaluate_with_error`.
+
+        Raises
+        ------
+        ValueError
+            If an argument does not hold unit vectors, or if walks or seed is outside its range.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> brdf = mf.RandomWalk(mf.Smith(mf.GGX(0.8)))
+        >>> density, error = brdf.pdf_with_error([0.6, 0.0, 0.8], [0, 0, 1])
+        >>> bool(0 < error < density)
+        True
+        """
         mirrors = self if isinstance(self.fresnel, Mirror) else RandomWalk(self.model)
         found, cosine = mirrors.evaluate_with_error(wo, wi, walks, seed), np.maximum(as_vectors("wi", wi)[..., 2], 0)
         return Estimate(found.value * cosine, found.error * cosine)
 
     def connections(self, wo: ArrayLike, wi: ArrayLike, walks: int = 256, seed: int = 0) -> tuple[Estimate, Estimate]:
-        """The BRDF of the first bounce and that of all later ones, both as means over walks, 1/sr, (..., 3) -> (...), with
-        standard errors. Where hardly any walk sends much to wi, these are too small; that of `evaluate_with_error` is not."""
+        """First bounce and later ones apart, both as means over walks.
+
+        Parameters
+        ----------
+        wo : array_like, shape (..., 3)
+            View directions, unit vectors.
+        wi : array_like, shape (..., 3)
+            Light directions, unit vectors; shapes broadcast.
+        walks : int, optional
+            Number of random walks, at least 2.
+        seed : int, optional
+            Seed of their random numbers, from 0.
+
+        Returns
+        -------
+        first : Estimate
+            BRDF of the first bounce, 1/sr, and its standard error, which is too small where hardly any walk sends light to wi.
+        later : Estimate
+            The same of all later bounces.
+
+        Raises
+        ------
+        ValueError
+            If an argument does not hold unit vectors, or if walks or seed is outside its range.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> brdf = mf.RandomWalk(mf.Smith(mf.GGX(0.8)))
+        >>> first, later = brdf.connections([0.6, 0.0, 0.8], [0, 0, 1])
+        >>> bool(first.value > later.value)
+        False
+        """
         found = self._connected(wo, wi, walks, seed)
         error = _scatter(found, whole("walks", walks, 2))
         return Estimate(found[..., 0], error[..., 0]), Estimate(found[..., 1], error[..., 1])
@@ -487,15 +692,71 @@ class RandomWalk(BRDF):
         return found / [count, count, count, count, 1]
 
     def albedo(self, wo: ArrayLike, walks: int = 65536, seed: int = 0) -> NDArray[Any]:
-        """Share of light from wo that is reflected, shapes (..., 3) -> (...), as `albedo_with_error` has it."""
+        """Directional albedo: the fraction of the light from wo that is reflected; an estimate.
+
+        Parameters
+        ----------
+        wo : array_like, shape (..., 3)
+            Directions, unit vectors.
+        walks : int, optional
+            Number of random walks, at least 2.
+        seed : int, optional
+            Seed of their random numbers, from 0.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            Fraction, as `albedo_with_error` has it; 0 below the horizon.
+
+        Raises
+        ------
+        ValueError
+            If an argument does not hold unit vectors, or if walks or seed is outside its range.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> brdf = mf.RandomWalk(mf.Smith(mf.GGX(0.8)))
+        >>> bool(brdf.albedo([0.6, 0.0, 0.8], walks=256) > mf.Microfacet(brdf.model).albedo([0.6, 0.0, 0.8]))
+        True
+        """
         return self.albedo_with_error(wo, walks, seed).value
 
     def albedo_with_error(self, wo: ArrayLike, walks: int = 65536, seed: int = 0) -> Estimate:
-        """Share of light from wo (..., 3) that is reflected (...): the first bounce by quadrature, later ones by walks.
+        """Directional albedo, and a bound of its error.
 
-        All walks go on after the first bounce (`later`), and the share of light that does so is known from the quadrature. The
-        error is a bound, but for odds of 1e-5, given that those of `Microfacet.albedo_with_error` are. Light still under way
-        after `LONGEST` bounces is not in the value. It may yet leave, and is in the error."""
+        The first bounce is by quadrature, later ones by walks, all of which go on after the first bounce.
+
+        Parameters
+        ----------
+        wo : array_like, shape (..., 3)
+            Directions, unit vectors.
+        walks : int, optional
+            Number of random walks, at least 2.
+        seed : int, optional
+            Seed of their random numbers, from 0.
+
+        Returns
+        -------
+        value : ndarray, shape (...)
+            Albedo; 0 below the horizon.
+        error : ndarray, shape (...)
+            Bound of its error, absolute, that fails with odds of 1e-5. Light still under way when a walk is given up is not
+            in the value but in the error.
+
+        Raises
+        ------
+        ValueError
+            If an argument does not hold unit vectors, or if walks or seed is outside its range.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> brdf = mf.RandomWalk(mf.Smith(mf.GGX(0.8)))
+        >>> value, error = brdf.albedo_with_error([0.6, 0.0, 0.8], walks=256)
+        >>> bool(abs(value - 1) <= error)
+        True
+        """
         wo, count, seed = as_vectors("wo", wo).astype(float), whole("walks", walks, 2), whole("seed", seed, 0)
         once, error = self.single.albedo_with_error(wo)
         on, on_error = self.going_on(wo)
@@ -506,19 +767,101 @@ class RandomWalk(BRDF):
         return Estimate(once + on * found[0], error + on_error + on * np.minimum(found[1] + found[2], 1))
 
     def going_on(self, wo: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
-        """Share (...) of walks from wo (..., 3) that meet a second facet, and its error, by quadrature."""
+        """Fraction of the walks that meet a second microfacet, and a bound of its error.
+
+        Parameters
+        ----------
+        wo : array_like, shape (..., 3)
+            Directions, unit vectors.
+
+        Returns
+        -------
+        value : ndarray, shape (...)
+            Fraction in [0, 1]; 0 below the horizon.
+        error : ndarray, shape (...)
+            Bound of its error, absolute.
+
+        Raises
+        ------
+        ValueError
+            If an argument does not hold unit vectors.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> brdf = mf.RandomWalk(mf.Smith(mf.GGX(0.8)))
+        >>> print(f"{brdf.going_on([0.6, 0.0, 0.8])[0]:.4f}")
+        0.5397
+        """
         once, error = Microfacet(self.model).albedo_with_error(wo)
         return np.where(as_vectors("wo", wo)[..., 2] > 0, np.clip(1 - once, 0, 1), 0.0), error
 
     def later(self, wo: ArrayLike, walks: int, seed: Any = 0) -> Later:
-        """So many walks from one view wo (3,) above the horizon, all of which go on after the first bounce."""
+        """Walk light that meets a second microfacet, from one view.
+
+        Parameters
+        ----------
+        wo : array_like, shape (3,)
+            View direction above the horizon, a unit vector.
+        walks : int
+            Number of random walks, at least 1.
+        seed : int, optional
+            Seed of their random numbers, from 0.
+
+        Returns
+        -------
+        Later
+            Where light left, its weight, its bounces, and how much each walk counts.
+
+        Raises
+        ------
+        ValueError
+            If an argument does not hold unit vectors, or if walks or seed is outside its range.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> brdf = mf.RandomWalk(mf.Smith(mf.GGX(0.8)))
+        >>> bool((brdf.later([0.6, 0.0, 0.8], 16).bounces >= 2).all())
+        True
+        """
         rng = np.random.default_rng(seed)
         start = SecondFacets(self.model, as_vectors("wo", wo).astype(float)).draw(whole("walks", walks, 1), rng)
         found = onward(*self._kernels)([start.direction, start.height, rng.random((walks, 2))], self.parameters)
         return Later(found[:, :3], self.fresnel.F(start.cosine) * found[:, 3], found[:, 4].astype(np.int64) + 1, start.weight)
 
     def albedo_by_bounce(self, wo: ArrayLike, walks: int = 65536, seed: int = 0, orders: int = 6) -> Bounces:
-        """Shares of light from wo (..., 3) that leave after 1, 2, ..., `orders` bounces, from so many walks for each wo."""
+        """Fractions of the light that leaves after one bounce, two, and so on.
+
+        Parameters
+        ----------
+        wo : array_like, shape (..., 3)
+            Directions, unit vectors.
+        walks : int, optional
+            Number of random walks, at least 2.
+        seed : int, optional
+            Seed of their random numbers, from 0.
+        orders : int, optional
+            Largest number of bounces that is counted apart, at least 1.
+
+        Returns
+        -------
+        Bounces
+            Fractions (..., orders) with standard errors, what leaves later, and what has not left.
+
+        Raises
+        ------
+        ValueError
+            If an argument does not hold unit vectors, or if walks or seed is outside its range.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> brdf = mf.RandomWalk(mf.Smith(mf.GGX(0.8)))
+        >>> fractions = brdf.albedo_by_bounce([0.6, 0.0, 0.8], walks=1024).value
+        >>> bool(fractions[0] > fractions[1] > fractions[2])
+        True
+        """
         left, later = self._sums(wo, walks, seed, whole("orders", orders, 1))
         value, error = _mean(*left, walks)
         mean, scatter = _mean(*later, walks)

@@ -336,10 +336,36 @@ def normals_mirror(slopes: Callable[..., Pair]) -> Batch:
 
 
 class Microfacet(Parametric, BRDF):
-    """The BRDF of mirror facets: model of masking and shadowing, and Fresnel reflectance (None: F = 1). walter2007.
+    r"""BRDF of mirror-like microfacets, for light that bounces once.
 
-    Parameters that are arrays broadcast with the directions: a roughness per pixel, or, with directions (..., 1, 3), three
-    indices of a metal for three channels. What is sampled, and its density, does not depend on the reflectance.
+    .. math:: \rho(\omega_o, \omega_i) = \frac{F(\omega_o, \omega_h) \, G_2(\omega_o, \omega_i, \omega_h) \, D(\omega_h)}
+              {4 \cos\theta_o \cos\theta_i}
+
+    with the half vector :math:`\omega_h`; statement ``brdf.specular.rho``. Parameters that are arrays broadcast with the
+    directions: a roughness per pixel or, with directions (..., 1, 3), an index per colour channel.
+
+    Parameters
+    ----------
+    model : Masking
+        Model of masking and shadowing, with its distribution of normals.
+    fresnel : Fresnel, optional
+        Reflectance of a microfacet; by default 1.
+
+    Raises
+    ------
+    ValueError
+        If an argument is of another kind, or if the shapes of their parameters do not broadcast.
+
+    References
+    ----------
+    cook1982; walter2007; heitz2014.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> brdf = mf.Microfacet(mf.Smith(mf.GGX(0.3, 0.1)), mf.Conductor(0.2, 3.9))
+    >>> print(f"{brdf.evaluate([0.6, 0.0, 0.8], [-0.6, 0.0, 0.8]):.4f}")
+    3.8459
     """
 
     parameters: BRDFParameters
@@ -363,17 +389,73 @@ class Microfacet(Parametric, BRDF):
         return joined_evaluation(lobe, F), LobeParameters(parameters, self.fresnel.parameters)
 
     def evaluate(self, wo: ArrayLike, wi: ArrayLike, out: NDArray[Any] | None = None) -> NDArray[Any]:
-        """The BRDF, 1/sr, shapes (..., 3) -> (...); 0 if either direction is below the horizon. heitz2014.
+        """Value of the BRDF, in 1/sr, without the cosine of the light.
 
-        out: an array to fill and return; after an error what it holds is of no use.
+        Parameters
+        ----------
+        wo : array_like, shape (..., 3)
+            View directions, unit vectors.
+        wi : array_like, shape (..., 3)
+            Light directions, unit vectors; shapes broadcast.
+        out : ndarray, optional
+            Array of the result's shape and precision to fill and return; its contents are undefined after an error.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            BRDF, 1/sr; 0 if either direction is below the horizon.
+
+        Raises
+        ------
+        ValueError
+            If an argument does not hold unit vectors, or if out does not fit.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> brdf = mf.Microfacet(mf.Smith(mf.GGX(0.3, 0.1)), mf.Conductor(0.2, 3.9))
+        >>> print(f"{brdf.evaluate([0.6, 0.0, 0.8], [-0.6, 0.0, 0.8]):.4f}")
+        3.8459
         """
         batch, parameters = self.evaluation
         return batch([vectors("wo", wo), vectors("wi", wi)], parameters, out)
 
     def sample(self, wo: ArrayLike, u: ArrayLike, out: NDArray[Any] | None = None) -> NDArray[Any]:
-        """Light directions with density `pdf`, shapes (..., 3) and (..., 2) -> (..., 3), by visible normals where the model
-        can sample them, otherwise by all normals. Some go below the horizon: their BRDF is 0, they count as lost. The zero
-        vector where wo is below the horizon. out: as for `evaluate`."""
+        """Draw light directions with density `pdf`.
+
+        By visible normals where the model can sample them, otherwise by all normals. Some directions are below the
+        horizon, where the BRDF is 0: they are lost and must be kept in the mean. The reflectance plays no part.
+
+        Parameters
+        ----------
+        wo : array_like, shape (..., 3)
+            View directions, unit vectors.
+        u : array_like, shape (..., 2)
+            Uniform numbers in [0, 1); shapes broadcast.
+        out : ndarray, optional
+            Array of the result's shape and precision to fill and return; its contents are undefined after an error.
+
+        Returns
+        -------
+        ndarray, shape (..., 3)
+            Light directions, unit vectors; the zero vector where wo is below the horizon.
+
+        Raises
+        ------
+        ValueError
+            If neither model nor distribution has a sampler, if wo does not hold unit vectors, or if u is outside [0, 1).
+
+        References
+        ----------
+        heitzdeon2014; dupuy2023.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> brdf = mf.Microfacet(mf.Smith(mf.GGX(0.3, 0.1)), mf.Conductor(0.2, 3.9))
+        >>> print(brdf.sample([0.6, 0.0, 0.8], [0.5, 0.25]).round(4))
+        [-0.7848  0.      0.6197]
+        """
         sampler, slopes = self.model.sampler, type(self.model.ndf).sample_kernel
         if sampler is None and slopes is None:
             raise ValueError(f"{self!r} has no sampler: the class of its distribution must name a sample_kernel")
@@ -381,9 +463,40 @@ class Microfacet(Parametric, BRDF):
         return rule([vectors("wo", wo), uniform("u", u)], self.model.parameters, out)
 
     def pdf(self, wo: ArrayLike, wi: ArrayLike) -> NDArray[Any]:
-        """Density of `sample` over the whole sphere, 1/sr, shapes (..., 3) -> (...).
+        r"""Density of the light directions that `sample` draws, over the whole sphere, in 1/sr.
 
-        Above the horizon it is 0 where `evaluate` is and nowhere else, up to numbers too small for the precision (and F = 0).
+        .. math:: p_{\omega_o}(\omega_i) = \frac{G_1(\omega_o, \omega_h) \, D(\omega_h)}{4 \cos\theta_o}
+
+        where visible normals are sampled; statement ``material.reflection.density``. Above the horizon it is 0 where
+        `evaluate` is and nowhere else, up to numbers too small for the precision and to F = 0.
+
+        Parameters
+        ----------
+        wo : array_like, shape (..., 3)
+            View directions, unit vectors.
+        wi : array_like, shape (..., 3)
+            Light directions, unit vectors; shapes broadcast.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            Probability density, 1/sr; above 0 also for some directions below the horizon.
+
+        Raises
+        ------
+        ValueError
+            If an argument does not hold unit vectors.
+
+        References
+        ----------
+        walter2007; heitzdeon2014.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> brdf = mf.Microfacet(mf.Smith(mf.GGX(0.3, 0.1)), mf.Conductor(0.2, 3.9))
+        >>> print(f"{brdf.pdf([0.6, 0.0, 0.8], [-0.6, 0.0, 0.8]):.4f}")
+        3.2748
         """
         model, ndf = self.model, type(self.model.ndf)
         visible = model.sampler is not None
@@ -391,11 +504,42 @@ class Microfacet(Parametric, BRDF):
         return rule([vectors("wo", wo), vectors("wi", wi)], model.parameters)
 
     def weight(self, wo: ArrayLike, wi: ArrayLike) -> NDArray[Any]:
-        """What a sample weighs: the BRDF times cos theta_i over `pdf`, shapes (..., 3) -> (...); 0 if either direction is below
-        the horizon.
+        r"""Weight of a sample: the BRDF times the cosine of the light over `pdf`.
 
-        F G2/G1 where the model samples visible normals, which is in [0, 1]. A quotient in which D does not occur, so that it is
-        right also where BRDF and density are too large or too small for numbers. heitzdeon2014.
+        .. math:: \frac{\rho(\omega_o, \omega_i) \cos\theta_i}{p_{\omega_o}(\omega_i)}
+                  = \frac{F(\omega_o, \omega_h) \, G_2(\omega_o, \omega_i, \omega_h)}{G_1(\omega_o, \omega_h)}
+
+        where visible normals are sampled, which is in [0, 1]; statement ``brdf.specular.weight``. D has cancelled, so the
+        weight is right also where BRDF and density are too large or too small for numbers.
+
+        Parameters
+        ----------
+        wo : array_like, shape (..., 3)
+            View directions, unit vectors.
+        wi : array_like, shape (..., 3)
+            Light directions, unit vectors; shapes broadcast.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            Weight, dimensionless; 0 if either direction is below the horizon.
+
+        Raises
+        ------
+        ValueError
+            If an argument does not hold unit vectors.
+
+        References
+        ----------
+        heitzdeon2014.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> brdf = mf.Microfacet(mf.Smith(mf.GGX(0.3, 0.1)), mf.Conductor(0.2, 3.9))
+        >>> wo = [0.6, 0.0, 0.8]
+        >>> print(f"{brdf.weight(wo, brdf.sample(wo, [0.5, 0.25])):.4f}")
+        0.9185
         """
         model, F = self.model, type(self.fresnel).kernel
         if model.sampler is None:
@@ -405,9 +549,35 @@ class Microfacet(Parametric, BRDF):
         return rule([vectors("wo", wo), vectors("wi", wi)], self.parameters)
 
     def albedo_with_error(self, wo: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
-        """The albedo, and a bound of its error: some 1e-9 of it, more where distributions or models of your own have kinks.
+        """Directional albedo, and a bound of its error.
 
-        For arrays of parameters one set after another: each takes some milliseconds.
+        By quadrature, some milliseconds for each set of parameters. The error is some 1e-9 of the albedo for
+        isotropic mirrors, and larger where the integrand has kinks.
+
+        Parameters
+        ----------
+        wo : array_like, shape (..., 3)
+            Directions, unit vectors.
+
+        Returns
+        -------
+        value : ndarray, shape (...)
+            Albedo; 0 below the horizon.
+        error : ndarray, shape (...)
+            Bound of its error, absolute.
+
+        Raises
+        ------
+        ValueError
+            If wo does not hold unit vectors.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> brdf = mf.Microfacet(mf.Smith(mf.GGX(0.3, 0.1)), mf.Conductor(0.2, 3.9))
+        >>> value, error = brdf.albedo_with_error([0.6, 0.0, 0.8])
+        >>> print(f"{value:.6f}", error < 1e-6)
+        0.863457 True
         """
         return self._each_albedo(wo) if self.batch_shape else self.reflected(wo)
 

@@ -202,11 +202,26 @@ class Row(NamedTuple):
 
 @dataclass(frozen=True)
 class Choice:
-    """What was chosen, and from what.
+    """Choice of a model, and the candidates it was made from.
 
-    rows: all candidates, the cheapest first. chosen: the first that is within, or None. failed: the next cheaper one, which
-    is not. sampler: how to draw directions for the chosen one, and what that costs. reference: what errors are relative to.
-    beyond: how far the reference itself is from ray-traced surfaces of Gaussian slopes, by the same measure, if that is known.
+    Attributes
+    ----------
+    scene : Scene
+        The scene.
+    tolerance : float
+        The largest error.
+    measure : str
+        What the error is of.
+    rows : tuple of Row
+        All candidates, the cheapest first.
+    reference : str
+        The model that errors are relative to.
+    sampler : str
+        How to draw directions for the chosen model, and what that costs.
+    beyond : Error or None
+        Error of the reference itself relative to ray-traced surfaces of Gaussian slopes, by the same measure, if known.
+    samplers : dict
+        Nanoseconds and mean square weight of each sampler.
     """
 
     scene: Scene
@@ -220,6 +235,7 @@ class Choice:
 
     @property
     def chosen(self) -> Row | None:
+        """The cheapest candidate that is within the tolerance, or None."""
         return next((row for row in self.rows if row.verdict == "within"), None)
 
     @property
@@ -332,19 +348,55 @@ def choose(
     walks: int = WALKS,
     **more: Any,
 ) -> Choice:
-    """The cheapest model that stays within a tolerance of the most complete one, for all of a scene.
+    """Choose the cheapest model that stays within a tolerance of the most complete one, for all of a scene.
 
-    alpha: roughness, or its range. theta: range of the view's polar angle, degrees. more: ratio, light, normals, fresnel,
-    bounces, precision, as in `Scene`. tolerance: above 0, on what `measure` names: "albedo", the share of light that is
-    reflected; "lobe", the share of the reflected light that goes elsewhere, in bins; "picture", the mean relative error of
-    spheres under a sky. costs: nanoseconds by name (`microfacet.enough.cost`); None times the
-    candidates now.
+    The most complete model has the exact reflectance at each bounce, and all bounces unless the scene asks for one: for
+    Gaussian slopes it is ray-traced surfaces; for GGX, of which there is no surface, Smith's random walk.
 
-    The most complete model has exact Fresnel reflectance at each bounce, and all bounces unless the scene says one: for
-    Gaussian slopes, so many ray-traced `surfaces`; for GGX, of which nobody has a surface, Smith's random walk, from so many
-    `walks` a point. A candidate is within if its error and the bound on what is not known of it are, beyond if its error less
-    this bound is, and else undecided; a bound fails with odds of 1e-5. surfaces, walks: at least 2 each. ValueError for a
-    scene, a tolerance, a measure, costs or numbers that are none. heitz2014; heitz2016.
+    Parameters
+    ----------
+    alpha : float or pair of float
+        Roughness of the scene, dimensionless, or its range.
+    theta : float or pair of float, optional
+        Range of the polar angle of the view, degrees.
+    tolerance : float, optional
+        Largest error, above 0, of what ``measure`` names.
+    measure : {"albedo", "lobe", "picture"}, optional
+        The fraction of light that is reflected; the fraction of the reflected light that goes elsewhere; or the mean
+        relative error of spheres under a sky.
+    costs : mapping of str to float, optional
+        Nanoseconds by name. By default the record of benchmarks or, where that lacks one, times taken now; ``"now"`` takes
+        them in any case.
+    surfaces : int, optional
+        Number of ray-traced surfaces, at least 2.
+    walks : int, optional
+        Number of random walks for each point, at least 2.
+    **more : object
+        ``ratio``, ``light``, ``normals``, ``fresnel``, ``bounces`` and ``precision`` of a `Scene`.
+
+    Returns
+    -------
+    Choice
+        All candidates with error, cost and verdict, and the one that is chosen. A candidate is undecided where the bound on
+        what is not known of its error is too large to tell; a bound fails with odds of 1e-5.
+
+    Raises
+    ------
+    ValueError
+        For a scene, tolerance, measure, costs or numbers that are outside their ranges.
+
+    References
+    ----------
+    heitz2014; heitz2016.
+
+    Examples
+    --------
+    It takes some seconds; the costs given here make it repeatable.
+
+    >>> import microfacet as mf
+    >>> choice = mf.choose(0.1, (0, 60), 0.05, costs={}, walks=256)
+    >>> choice.chosen.verdict
+    'within'
     """
     tolerance = positive("tolerance", tolerance)
     one_of("measure", measure, MEASURES)

@@ -54,14 +54,31 @@ class Point(NamedTuple):
 
 @dataclass(frozen=True)
 class Scene:
-    """A scene, for `choose`.
+    """Scene that `choose` compares models on; a range is two numbers, or one for both.
 
-    alpha: range of the larger roughness. theta: range of the view's polar angle, degrees, in [0, 90). ratio: range of the
-    larger roughness over the smaller, from 1. light: range of the light's polar angle, degrees, in [0, 90]; light from
-    elsewhere does not count. normals: the surface's distribution, "ggx", "beckmann", or what
-    another family is called by `normals_by_name`. fresnel: its reflectance, exact;
-    none is a perfect mirror. bounces: "all" if light that bounces several times matters, else "one". precision: "double",
-    "single", or "either". A range is two numbers, or one for both. Anything else is a ValueError of one sentence.
+    Parameters
+    ----------
+    alpha : float or pair of float
+        Range of the larger roughness.
+    theta : float or pair of float, optional
+        Range of the polar angle of the view, degrees, in [0, 90).
+    ratio : float or pair of float, optional
+        Range of the larger roughness over the smaller, from 1.
+    light : float or pair of float, optional
+        Range of the polar angle of the light, degrees, in [0, 90]; light from elsewhere does not count.
+    normals : str, optional
+        Distribution of the surface: "ggx", "beckmann", or the name of another family, see `normals_by_name`.
+    fresnel : Dielectric or Conductor, optional
+        Reflectance; by default that of a perfect mirror.
+    bounces : {"all", "one"}, optional
+        Whether light that bounces several times counts.
+    precision : {"double", "single", "either"}, optional
+        Precision of the candidates.
+
+    Raises
+    ------
+    ValueError
+        For anything else.
     """
 
     alpha: Any

@@ -251,7 +251,37 @@ def kernel_sample(u: Pair, p: Alphas) -> Pair:
 
 
 class Beckmann(Stretched):
-    """Beckmann with roughness alpha_x along x and alpha_y along y (equal if omitted), from 1e-11 to 1e11. heitz2014."""
+    r"""Beckmann distribution of normals, whose slopes are normally distributed.
+
+    .. math:: D(\omega_m) = \frac{\chi^{+}(z_m)}{\pi \alpha_x \alpha_y z_m^4}
+              \exp\left( -\frac{x_m^2/\alpha_x^2 + y_m^2/\alpha_y^2}{z_m^2} \right)
+
+    The root mean square of the slopes along x is :math:`\alpha_x/\sqrt{2}`. Statements ``geometry.beckmann.D`` and
+    ``visibility.beckmann.Lambda``.
+
+    Parameters
+    ----------
+    alpha_x : array_like
+        Roughness along x, dimensionless, from 1e-11 to 1e11; a number, or an array that broadcasts with the directions.
+    alpha_y : array_like, optional
+        Roughness along y; by default that along x.
+
+    Raises
+    ------
+    ValueError
+        If a roughness is outside that range, or if the shapes do not broadcast.
+
+    References
+    ----------
+    heitz2014, eq. 69 (Lambda); beckmann1963; heitzdeon2014 (visible normals).
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> ndf = mf.Beckmann(0.3)
+    >>> print(f"{ndf.D([0, 0, 1]):.4f} {ndf.Lambda([0.96, 0.0, 0.28]):.4f}")
+    3.5368 0.0282
+    """
 
     label, cite = "Beckmann", "heitz2014"
     statements: ClassVar = {"D": D, "Lambda": Lambda, "projected_area": projected_area}

@@ -389,7 +389,33 @@ def gamma_ratio(a: Any) -> Any:
 
 
 class BlinnPhong(Distribution):
-    """cos^n theta_m, not normalised: projected area 2 pi/(n+2). n within `POWER_LIMITS`, a number or an array. blinn1977."""
+    r"""Blinn-Phong distribution of normals, not normalised.
+
+    .. math:: D(\omega_m) = \chi^{+}(z_m) \, z_m^n
+
+    Its projected area is :math:`2\pi/(n + 2)`, so `validate` fails it for nearly every exponent. Statement
+    ``geometry.blinn_phong.D``.
+
+    Parameters
+    ----------
+    n : array_like
+        Exponent, dimensionless, from 1e-22 to 1e22; a number, or an array that broadcasts with the directions.
+
+    Raises
+    ------
+    ValueError
+        If an exponent is outside that range.
+
+    References
+    ----------
+    blinn1977.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> print(f"{mf.BlinnPhong(100).D([0.1, 0.0, 0.99 ** 0.5]):.4f}")
+    0.6050
+    """
 
     label, cite = "Blinn-Phong", "blinn1977"
     statements: ClassVar = {"D": D, "projected_area": projected_area}
@@ -417,7 +443,33 @@ class BlinnPhong(Distribution):
 
 
 class NormalizedBlinnPhong(BlinnPhong):
-    """(n+2)/(2 pi) cos^n theta_m. n above 0. heitz2014."""
+    r"""Blinn-Phong distribution of normals, normalised.
+
+    .. math:: D(\omega_m) = \frac{n + 2}{2\pi} \, \chi^{+}(z_m) \, z_m^n
+
+    Statements ``geometry.normalized_blinn_phong.D`` and ``visibility.blinn_phong.Lambda``.
+
+    Parameters
+    ----------
+    n : array_like
+        Exponent, dimensionless, from 1e-22 to 1e22; a number, or an array that broadcasts with the directions.
+
+    Raises
+    ------
+    ValueError
+        If an exponent is outside that range.
+
+    References
+    ----------
+    blinn1977; heitz2014.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> ndf = mf.NormalizedBlinnPhong(100)
+    >>> print(f"{ndf.D([0, 0, 1]):.4f} {mf.seen_area(ndf).value:.6f}")
+    16.2338 1.000000
+    """
 
     label, cite = "Blinn-Phong, normalised", "heitz2014"
     statements: ClassVar = {"D": normalized_D, "projected_area": normalized_projected_area}

@@ -305,7 +305,38 @@ def lobe_of_arrays(wo: Vector, wi: Vector, p: Alphas) -> float:
 
 
 class GGX(Stretched):
-    """GGX with roughness alpha_x along x and alpha_y along y (equal if omitted), from 1e-11 to 1e11. walter2007; heitz2014."""
+    r"""GGX (Trowbridge-Reitz) distribution of normals.
+
+    .. math:: D(\omega_m) = \frac{\chi^{+}(z_m)}{\pi \alpha_x \alpha_y
+              \left( x_m^2/\alpha_x^2 + y_m^2/\alpha_y^2 + z_m^2 \right)^2}
+
+    Statements ``geometry.ggx.D`` and ``visibility.ggx.Lambda``.
+
+    Parameters
+    ----------
+    alpha_x : array_like
+        Roughness along x, dimensionless, from 1e-11 to 1e11; a number, or an array that broadcasts with the directions.
+    alpha_y : array_like, optional
+        Roughness along y; by default that along x.
+
+    Raises
+    ------
+    ValueError
+        If a roughness is outside that range, or if the shapes do not broadcast.
+
+    References
+    ----------
+    heitz2014, eq. 85 (D) and eq. 72 (Lambda); walter2007; trowbridge1975; dupuy2023 (visible normals).
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> ndf = mf.GGX(0.3, 0.1)
+    >>> print(f"{ndf.D([0, 0, 1]):.4f} {ndf.Lambda([0.6, 0.0, 0.8]):.4f}")
+    10.6103 0.0125
+    >>> mf.GGX([0.1, 0.2, 0.4]).D([0, 0, 1]).round(3)  # a roughness per pixel
+    array([31.831,  7.958,  1.989])
+    """
 
     label, cite = "GGX", "walter2007"
     statements: ClassVar = {"D": D, "Lambda": Lambda, "projected_area": projected_area}

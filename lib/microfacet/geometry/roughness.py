@@ -47,13 +47,46 @@ CONVENTIONS: dict[str, Callable[[Any], Any]] = {
 
 
 def alpha_from_roughness(roughness: ArrayLike, convention: str = "squared") -> NDArray[Any]:
-    """The alpha that a roughness stands for by a convention; any shape, float32 in gives float32 out.
+    r"""Convert a roughness of a named convention to alpha.
 
-    "squared": alpha = r^2, of Disney's materials, glTF, Filament, Unreal and Blender (burley2012). "alpha": alpha itself, as in
-    Mitsuba (walter2007). "pbrt-v3": the fit 1.62142 + 0.819955 x + 0.1734 x^2 + 0.0171201 x^3 + 0.000640711 x^4 with
-    x = ln max(r, 0.001) (pharr2016). "pbrt-v4": alpha = sqrt r (pharr2023). "phong": the exponent n of a cosine, of a Beckmann
-    surface with the same highlight: alpha = sqrt(2/(n + 2)) (walter2007).
-    ValueError for other conventions, for a roughness that is not above 0 and for one above 1, where it is no exponent.
+    =============  =====================================  ============================================
+    Convention     Alpha                                  Used by
+    =============  =====================================  ============================================
+    ``"squared"``  :math:`r^2`                            glTF, Disney, Filament, Unreal, Blender
+    ``"alpha"``    :math:`r`                              Mitsuba
+    ``"pbrt-v3"``  a fit in :math:`\ln \max(r, 0.001)`    pbrt-v3
+    ``"pbrt-v4"``  :math:`\sqrt{r}`                       pbrt-v4
+    ``"phong"``    :math:`\sqrt{2/(r + 2)}`               exponents of Phong and Blinn
+    =============  =====================================  ============================================
+
+    The fit is :math:`1.62142 + 0.819955 x + 0.1734 x^2 + 0.0171201 x^3 + 0.000640711 x^4` with :math:`x = \ln \max(r, 0.001)`.
+
+    Parameters
+    ----------
+    roughness : array_like
+        Roughness, dimensionless, in (0, 1]; above 0 for ``"alpha"`` and ``"phong"``.
+    convention : str, optional
+        One of those in the table; by default ``"squared"``.
+
+    Returns
+    -------
+    ndarray
+        Alpha, dimensionless, of the same shape and precision.
+
+    Raises
+    ------
+    ValueError
+        For another convention, and for a roughness outside its range.
+
+    References
+    ----------
+    burley2012; walter2007; pharr2016; pharr2023.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> print(mf.alpha_from_roughness(0.5), mf.alpha_from_roughness(100, "phong").round(4))
+    0.25 0.14
     """
     values = numbers("roughness", roughness).checked()
     rule = CONVENTIONS[one_of("convention", convention, CONVENTIONS)]
@@ -65,9 +98,41 @@ def alpha_from_roughness(roughness: ArrayLike, convention: str = "squared") -> N
 
 
 def stretched_alpha(alpha: ArrayLike, anisotropic: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
-    """alpha_x and alpha_y of a surface rougher along x than along y, from alpha and a number in [0, 1]. burley2012.
+    r"""Convert alpha and a degree of anisotropy to roughness along x and along y.
 
-    Shapes broadcast; alpha_x = alpha/aspect and alpha_y = alpha aspect, with aspect = sqrt(1 - 0.9 anisotropic).
+    .. math:: \alpha_x = \alpha/s, \quad \alpha_y = \alpha s, \quad s = \sqrt{1 - 0.9 \, a}
+
+    with the degree of anisotropy a.
+
+    Parameters
+    ----------
+    alpha : array_like
+        Roughness, dimensionless, above 0.
+    anisotropic : array_like
+        Degree of anisotropy in [0, 1]; shapes broadcast.
+
+    Returns
+    -------
+    alpha_x : ndarray
+        Roughness along x, the larger one.
+    alpha_y : ndarray
+        Roughness along y.
+
+    Raises
+    ------
+    ValueError
+        If alpha or anisotropic is outside its range.
+
+    References
+    ----------
+    burley2012.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> alpha_x, alpha_y = mf.stretched_alpha(0.2, 0.8)
+    >>> print(f"{alpha_x:.4f} {alpha_y:.4f}")
+    0.3780 0.1058
     """
     values, amount = numbers("alpha", alpha).checked(), numbers("anisotropic", anisotropic).checked()
     if values.size and not values.min() > 0:

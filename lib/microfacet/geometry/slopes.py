@@ -120,14 +120,50 @@ MADE_FOR = {"kernel": OF_D, "closed_Lambda": OF_LAMBDA}
 
 
 class Distribution(Parametric):
-    """A distribution of normals D, 1/sr, over unit microfacet normals.
+    r"""Base class of the distributions of microfacet normals.
 
-    Its kernels take directions as tuples (x, y, z), two uniform numbers as (u1, u2), and last its parameters.
-    parameters: these, best a named tuple, whose fields the kernels read: p.alpha_x. A plain tuple does as well.
-    alpha: its roughness along x and along y, if its family has one, else None; formulas that ask for a roughness need it.
-    slope_scale: how far its slopes spread along x and along y, for quadratures; by default it is found by a look at D.
-    reach: in units of these, the slope beyond which hardly any facet (1e-18 of the area) lies.
-    isotropic: whether D depends on the polar angle only, by default not; `validate` checks it.
+    A distribution of normals is the area of microfacets per solid angle of their normals and per area of the surface.
+    A physical one obeys
+
+    .. math:: \int_{\Omega} \left( \omega_m \cdot \omega_g \right) D(\omega_m) \, d\omega_m = 1,
+
+    statement ``geometry.slopes.projected_area``, which `validate` checks. A subclass gives ``kernel`` and ``parameters``;
+    all else is optional. What a subclass does not redefine it inherits, but for what was made for another ``kernel`` or
+    another ``closed_Lambda`` than its own.
+
+    Attributes
+    ----------
+    kernel : callable
+        D(wm, parameters) of one unit normal, a tuple (x, y, z), in 1/sr; 0 below the horizon. Numba compiles it.
+    sample_kernel : callable or None
+        A slope (x, y) from two uniform numbers, a tuple (u1, u2), and the parameters, for `sample`.
+    closed_Lambda : callable or None
+        Lambda(w, parameters) of Smith's model in closed form; without one it is computed by quadrature.
+    sample_visible_kernel : callable or None
+        A visible normal of Smith's model, from a view and two uniform numbers.
+    parameters : tuple
+        What the kernels take as their last argument, numbers or arrays; best a named tuple, whose fields they read.
+    alpha : tuple of float or None
+        Roughness along x and along y where the family has one; formulas that ask for a roughness need it.
+    reach : float
+        Slope, in units of ``slope_scale``, beyond which less than 1e-18 of the area lies; infinite by default.
+    isotropic : bool
+        Whether D depends on the polar angle only; by default False. `validate` checks it.
+
+    See Also
+    --------
+    GGX : A distribution with all closed forms.
+    Smith : Masking and shadowing for any distribution.
+
+    References
+    ----------
+    heitz2014, section 2.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> isinstance(mf.GGX(0.3), mf.Distribution)
+    True
     """
 
     kernel: ClassVar[Callable[..., float]]  # D(wm, parameters)
@@ -149,13 +185,13 @@ class Distribution(Parametric):
 
     @cached_property
     def slope_scale(self) -> tuple[float, float]:
-        """How far slopes spread along x and along y: by default as `spread` finds it."""
+        """Spread of the slopes along x and along y, for quadratures; by default it is found from D."""
         self.require_numbers("a search for slopes")
         return spread(self.D)
 
     @cached_property
     def panels(self) -> Panels:
-        """Where its slopes are, for integrals over them."""
+        """Panels that cover the slopes, for integrals over them."""
         self.require_numbers("a search for slopes")
         return panels(self.D, extent(self.D))
 
@@ -169,39 +205,168 @@ class Distribution(Parametric):
 
     @property
     def smith_lobe(self) -> tuple[Callable[..., float], Parameters] | None:
-        """D G2/(4 cos theta_o cos theta_i) of Smith's model, correlated by height, as one kernel if there is one.
+        """One kernel of D G2/(4 cos theta_o cos theta_i) under Smith's height-correlated model, and its parameters, or None.
 
-        A kernel lobe(wo, wi, parameters), quicker than its parts, and these parameters.
+        A kernel lobe(wo, wi, parameters), quicker than its parts.
         """
         return None
 
     def D(self, wm: ArrayLike) -> NDArray[Any]:
-        """D(wm), shapes (..., 3) -> (...), 1/sr; 0 below the horizon. heitz2014, section 2."""
+        """Distribution of normals, in 1/sr.
+
+        Parameters
+        ----------
+        wm : array_like, shape (..., 3)
+            Unit normals.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            Area of microfacets per solid angle and per area of the surface, 1/sr; 0 below the horizon.
+
+        Raises
+        ------
+        ValueError
+            If wm does not hold unit vectors.
+
+        References
+        ----------
+        heitz2014, section 2.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> print(f"{mf.GGX(0.5).D([0, 0, 1]):.4f}")
+        1.2732
+        """
         return _over_normals(type(self).kernel)([vectors("wm", wm)], self.parameters)
 
     def P22(self, slope_x: ArrayLike, slope_y: ArrayLike) -> NDArray[Any]:
-        """Density of slopes, per unit slope area; shapes broadcast. heitz2014, slope space."""
+        r"""Density of slopes, per unit slope area.
+
+        .. math:: P_{22}(\tilde{x}, \tilde{y}) = \cos^4\theta_m \, D(\omega_m)
+
+        Statement ``geometry.slopes.D``.
+
+        Parameters
+        ----------
+        slope_x, slope_y : array_like
+            Slopes along x and along y, dimensionless; shapes broadcast. A normal (x, y, z) has the slopes -x/z, -y/z.
+
+        Returns
+        -------
+        ndarray
+            Density in the plane of slopes, dimensionless.
+
+        Raises
+        ------
+        ValueError
+            If a slope is not a finite number.
+
+        References
+        ----------
+        heitz2014.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> print(f"{mf.Beckmann(0.5).P22(0.5, 0.0):.4f}")
+        0.4684
+        """
         slopes = [numbers("slope_x", slope_x), numbers("slope_y", slope_y)]
         return _over_slopes(_slope_density(type(self).kernel))(slopes, self.parameters)
 
     def Lambda(self, wo: ArrayLike) -> NDArray[Any]:
-        """Lambda(wo) in closed form, shapes (..., 3) -> (...): what facets hide over what is seen, in Smith's model 1/G1 - 1.
+        r"""Smith's Lambda in closed form.
 
-        Infinite at the horizon and below. ValueError where the class has no closed form: Smith has it, by quadrature.
-        heitz2014, section 5.
+        .. math:: \Lambda(\omega_o) = \frac{1}{G_1(\omega_o)} - 1
+                  = \frac{1}{\cot\theta_o} \int_{\cot\theta_o}^{\infty} (q - \cot\theta_o) \, P_2(q) \, dq
+
+        where :math:`P_2` is the density of the slopes along the view direction; statement ``visibility.smith.Lambda``.
+
+        Parameters
+        ----------
+        wo : array_like, shape (..., 3)
+            View directions, unit vectors.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            Lambda, dimensionless, at least 0; infinite at the horizon and below.
+
+        Raises
+        ------
+        ValueError
+            If the class has no closed form (`Smith.Lambda` then computes it), or if wo does not hold unit vectors.
+
+        References
+        ----------
+        heitz2014, section 5; eq. 69 for Beckmann, eq. 72 for GGX.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> print(f"{mf.GGX(0.5).Lambda([0.6, 0.0, 0.8]):.4f}")
+        0.0340
         """
         if type(self).closed_Lambda is None:
             raise ValueError(f"{self!r} has no closed form of Lambda: Smith({self!r}).Lambda computes it by quadrature")
         return lambda_batch(type(self).closed_Lambda)([vectors("wo", wo)], self.parameters)
 
     def sample(self, u: ArrayLike) -> NDArray[Any]:
-        """Normals with density `pdf`, shapes (..., 2) -> (..., 3), for u in [0, 1); ValueError if the class has no sampler."""
+        """Draw normals with density `pdf`.
+
+        Parameters
+        ----------
+        u : array_like, shape (..., 2)
+            Uniform numbers in [0, 1).
+
+        Returns
+        -------
+        ndarray, shape (..., 3)
+            Unit normals above the horizon.
+
+        Raises
+        ------
+        ValueError
+            If the class has no sampler, or if u is outside [0, 1).
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> print(mf.GGX(0.5).sample([0.5, 0.125]).round(4))
+        [-0.3162 -0.3162  0.8944]
+        """
         if type(self).sample_kernel is None:
             raise ValueError(f"{self!r} has no sampler: its class must name a sample_kernel")
         return _sampler(type(self).sample_kernel)([uniform("u", u)], self.parameters)
 
     def pdf(self, wm: ArrayLike) -> NDArray[Any]:
-        """Density of `sample`, 1/sr, shapes (..., 3) -> (...)."""
+        r"""Density of the normals that `sample` draws, in 1/sr.
+
+        :math:`D(\omega_m) \cos\theta_m` unless the class samples another distribution, as `Ward` does.
+
+        Parameters
+        ----------
+        wm : array_like, shape (..., 3)
+            Unit normals.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            Probability density, 1/sr; 0 below the horizon.
+
+        Raises
+        ------
+        ValueError
+            If wm does not hold unit vectors.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> print(f"{mf.GGX(0.5).pdf([0, 0, 1]):.4f}")
+        1.2732
+        """
         return _over_normals(_sampled_density(drawn_from(type(self))))([vectors("wm", wm)], self.parameters)
 
     def __repr__(self) -> str:
@@ -215,8 +380,17 @@ class Distribution(Parametric):
 class Stretched(Distribution):
     """A distribution of one shape whose slopes are stretched by alpha_x along x and alpha_y along y.
 
-    alpha_x, alpha_y: from 1e-11 to 1e11, numbers or arrays that broadcast with the directions; equal if the second is omitted.
-    ValueError for others.
+    Parameters
+    ----------
+    alpha_x : array_like
+        Roughness along x, dimensionless, from 1e-11 to 1e11; a number, or an array that broadcasts with the directions.
+    alpha_y : array_like, optional
+        Roughness along y; by default that along x.
+
+    Raises
+    ------
+    ValueError
+        If a roughness is outside that range.
     """
 
     alpha: tuple[float, float]
@@ -378,7 +552,7 @@ def _sampled_density(drawn: Callable[..., float]) -> Callable[..., float]:
 
 
 def around(radius: float, u: float) -> Pair:
-    """A point at the given distance from the origin, in the direction of the given share of a turn."""
+    """The point at a distance from the origin and an azimuth of 2 pi u."""
     return radius * cos(2.0 * pi * u), radius * sin(2.0 * pi * u)
 
 

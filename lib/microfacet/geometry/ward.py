@@ -79,7 +79,36 @@ def kernel_excess(wm: Vector, p: Alphas) -> float:
 
 
 class Ward(Stretched):
-    """Ward's distribution with roughness alpha_x, alpha_y (equal if omitted), from 1e-11 to 1e11. ward1992."""
+    r"""Ward's distribution of normals, which is not normalised.
+
+    .. math:: D(\omega_m) = \frac{\chi^{+}(z_m)}{\pi \alpha_x \alpha_y}
+              \exp\left( -\frac{x_m^2/\alpha_x^2 + y_m^2/\alpha_y^2}{z_m^2} \right)
+
+    It lacks Beckmann's fourth power of the cosine, so its projected area is below 1 and `validate` fails it. Its sampler
+    draws Beckmann's normals. Statement ``geometry.ward.D``.
+
+    Parameters
+    ----------
+    alpha_x : array_like
+        Roughness along x, dimensionless, from 1e-11 to 1e11; a number, or an array that broadcasts with the directions.
+    alpha_y : array_like, optional
+        Roughness along y; by default that along x.
+
+    Raises
+    ------
+    ValueError
+        If a roughness is outside that range, or if the shapes do not broadcast.
+
+    References
+    ----------
+    ward1992.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> print(mf.validate(mf.Smith(mf.Ward(0.5)))["projected_area"].verdict)
+    fails
+    """
 
     label, cite = "Ward", "ward1992"
     statements: ClassVar = {"D": D, "projected_area": projected_area}

@@ -352,9 +352,26 @@ with sp.evaluate(False):
 
 
 class Fresnel(Parametric):
-    """A reflectance as a function of the cosine between light and facet normal.
+    """Base class of the reflectances of a microfacet, functions of the cosine between light and normal.
 
-    parameters: what its kernel takes last, best a named tuple.
+    A subclass gives ``kernel`` and ``parameters``.
+
+    Attributes
+    ----------
+    kernel : callable
+        Reflectance of one cosine and the parameters. A function of floats that numba can compile.
+    parameters : tuple
+        What the kernel takes as its last argument, numbers or arrays; best a named tuple.
+
+    References
+    ----------
+    cook1982.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> isinstance(mf.Dielectric(1.5), mf.Fresnel)
+    True
     """
 
     kernel: ClassVar[Callable[..., float]]  # F(cosine, parameters)
@@ -368,7 +385,29 @@ class Fresnel(Parametric):
             cls.regular = False
 
     def F(self, cosine: ArrayLike) -> NDArray[Any]:
-        """Reflectance in [0, 1] at cosines in [0, 1], which rounding may have left by 1e-5; any shape."""
+        """Reflectance of a microfacet.
+
+        Parameters
+        ----------
+        cosine : array_like
+            Cosines between light and normal, in [0, 1] to within 1e-5 for rounding.
+
+        Returns
+        -------
+        ndarray
+            Reflectance in [0, 1].
+
+        Raises
+        ------
+        ValueError
+            If a cosine is outside [0, 1].
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> print(mf.Dielectric(1.5).F([1.0, 0.5, 0.0]).round(4))
+        [0.04   0.0892 1.    ]
+        """
         return _over_cosines(type(self).kernel)([cosines("cosine", cosine)], self.parameters)
 
     def __repr__(self) -> str:
@@ -466,7 +505,33 @@ class Mirror(Fresnel):
 
 
 class Dielectric(Fresnel):
-    """A dielectric of refractive index eta relative to outside, within `INDEX`, else a ValueError. cook1982."""
+    r"""Fresnel reflectance of a dielectric, for unpolarised light.
+
+    .. math:: F = \frac{1}{2} \left( \frac{g - c}{g + c} \right)^2
+              \left( 1 + \left( \frac{c (g + c) - 1}{c (g - c) + 1} \right)^2 \right), \quad g^2 = \eta^2 - 1 + c^2
+
+    and 1 at total reflection. Statements ``material.fresnel.dielectric`` and ``material.fresnel.total``.
+
+    Parameters
+    ----------
+    eta : array_like
+        Refractive index relative to the outside, dimensionless, from 1e-10 to 1e8; below 1 seen from within.
+
+    Raises
+    ------
+    ValueError
+        If eta is outside that range.
+
+    References
+    ----------
+    cook1982.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> print(f"{mf.Dielectric(1.5).F(1.0):.4f}")
+    0.0400
+    """
 
     label, cite = "dielectric", "cook1982"
     regular = True
@@ -479,9 +544,37 @@ class Dielectric(Fresnel):
 
 
 class Conductor(Fresnel):
-    """A conductor of complex index eta + i k, outside index 1. cook1982.
+    r"""Fresnel reflectance of a conductor, for unpolarised light.
 
-    eta: within `INDEX`. k: 0, which makes it a dielectric, or within `ABSORPTION`. ValueError for others.
+    .. math:: F = \frac{(a - c)^2 + b^2}{2 \left( (a + c)^2 + b^2 \right)} \left( 1 +
+              \frac{(a c - 1 + c^2)^2 + b^2 c^2}{(a c + 1 - c^2)^2 + b^2 c^2} \right), \quad
+              (a + i b)^2 = (\eta + i k)^2 - 1 + c^2
+
+    Statement ``material.fresnel.conductor``.
+
+    Parameters
+    ----------
+    eta : array_like
+        Real part of the refractive index, dimensionless, from 1e-10 to 1e8; outside the index is 1.
+    k : array_like
+        Imaginary part: 0, which makes it a dielectric, or from 1e-20 to 1e8; shapes broadcast. One index per colour
+        channel broadcasts with directions (..., 1, 3).
+
+    Raises
+    ------
+    ValueError
+        If eta or k is outside its range.
+
+    References
+    ----------
+    cook1982.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> copper = mf.Conductor([0.2, 0.9, 1.4], [3.9, 2.4, 1.6])
+    >>> print(copper.F(1.0).round(3))
+    [0.952 0.616 0.327]
     """
 
     label, cite = "conductor", "cook1982"
@@ -495,9 +588,33 @@ class Conductor(Fresnel):
 
 
 class Schlick(Fresnel):
-    """Schlick's approximation, from the reflectance F0 at normal and F90 at grazing incidence. schlick1994.
+    r"""Schlick's approximation of the Fresnel reflectance.
 
-    F0 + (F90 - F0)(1 - c)^5, both in [0, 1], else a ValueError. Schlick has F90 = 1.
+    .. math:: F = F_0 + (F_{90} - F_0) (1 - c)^5
+
+    Statements ``material.fresnel.schlick`` and ``material.fresnel.edge``.
+
+    Parameters
+    ----------
+    F0 : array_like
+        Reflectance at normal incidence, in [0, 1].
+    F90 : array_like, optional
+        Reflectance at grazing incidence, in [0, 1]; by default 1, as Schlick has it. Shapes broadcast.
+
+    Raises
+    ------
+    ValueError
+        If a reflectance is outside [0, 1].
+
+    References
+    ----------
+    schlick1994.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> print(f"{mf.Schlick(0.04).F(0.5):.4f}")
+    0.0700
     """
 
     label, cite = "Schlick", "schlick1994"
@@ -511,12 +628,35 @@ class Schlick(Fresnel):
 
 
 class F82Tint(Fresnel):
-    """Schlick's approximation, darkened near 82 degrees as metals are. hoffman2019.
+    r"""Schlick's approximation with a tint near 82 degrees, where metals are darker.
 
-    F0 + (F90 - F0)(1 - c)^5 - b c (1 - c)^6, with b such that at c = 1/7, some 82 degrees, it is `tint` times Schlick's.
-    All three lie in [0, 1]. The name is the one that shading standards give the model: they ask for the tint, a factor,
-    since a reflectance above Schlick's could exceed 1. ValueError for others, and for a tint so dark that the reflectance would
-    fall below 0 at another angle; that happens where F0 is small.
+    .. math:: F = F_0 + (F_{90} - F_0) (1 - c)^5 - b \, c \, (1 - c)^6
+
+    where b is such that F at c = 1/7 is ``tint`` times that of `Schlick`. Statement ``material.fresnel.f82``.
+
+    Parameters
+    ----------
+    F0 : array_like
+        Reflectance at normal incidence, in [0, 1].
+    tint : array_like, optional
+        Factor on Schlick's reflectance at c = 1/7, in [0, 1]; by default 1.
+    F90 : array_like, optional
+        Reflectance at grazing incidence, in [0, 1]; by default 1. Shapes broadcast.
+
+    Raises
+    ------
+    ValueError
+        If a number is outside [0, 1], or if the tint is so dark that F would be negative, which it can be where F0 is small.
+
+    References
+    ----------
+    hoffman2019.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> print(f"{mf.F82Tint(0.9, 0.7).F(1 / 7) / mf.Schlick(0.9).F(1 / 7):.2f}")
+    0.70
     """
 
     label, cite = "F82 tint", "hoffman2019"

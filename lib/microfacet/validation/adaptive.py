@@ -53,7 +53,7 @@ CELLS = 10  # of the look, that a box may extend over where the function is unev
 
 
 class Area(NamedTuple):
-    """An area seen, over cos theta_o; a bound of its error; how often the function was evaluated at nodes."""
+    """A visible area over cos theta_o, a bound of its error, and the number of evaluations."""
 
     value: float
     error: float
@@ -68,18 +68,50 @@ def seen_area(
     most: int = 40000,
     scale: tuple[float, float] | None = None,
 ) -> Area:
-    """The integral of G1 <wo, wm> D over all normals, over cos theta_o; by default what is seen if nothing masks.
+    r"""Visible projected area of any distribution, by adaptive quadrature.
 
-    D: a distribution, or any function of unit normals (n, 3), z > 0, that gives (n,), 1/sr. wo: one view direction (3,) above
-    the horizon. G1: masking, a function of normals too; None for 1. With it the area is 1 for a physical model; without, it
-    is 1 + Lambda of Smith's model, and from straight above the projected area of all facets. tolerance: the relative
-    error to reach, above 0, unless that takes more than about `most` evaluations at nodes: then the error is told as it is.
-    scale: how far slopes spread along x and y, above 0, if known.
+    .. math:: \frac{1}{\cos\theta_o} \int_{\Omega} G_1(\omega_o, \omega_m)
+              \left\langle \omega_o, \omega_m \right\rangle D(\omega_m) \, d\omega_m
 
-    D and G1 may jump and bend anywhere. The error bounds what is off as long as they have nothing narrower than a sixth of its
-    distance from the origin, in slopes divided by the scales, as far as these are between 1e-5 and 1e4; if the facets of
-    D do not project to 1, a closer look is taken, and nothing narrower than a 24th is missed. ValueError for a direction not
-    above the horizon, for other numbers than these, and where D or G1 is no function or not finite. heitz2014.
+    It is 1 for a physical model. Without G1 it is :math:`1 + \Lambda(\omega_o)` of Smith's model and, from straight above,
+    the projected area of all microfacets. D and G1 may jump and bend anywhere.
+
+    Parameters
+    ----------
+    D : Distribution or callable
+        A distribution, or a function of unit normals (n, 3) above the horizon that gives (n,), 1/sr.
+    wo : array_like, shape (3,), optional
+        View direction above the horizon, a unit vector; by default straight above.
+    G1 : callable, optional
+        Masking, a function of normals like D; by default 1.
+    tolerance : float, optional
+        Relative error to reach, above 0.
+    most : int, optional
+        Number of evaluations after which the error is given as it is.
+    scale : tuple of float, optional
+        Spread of the slopes along x and y, above 0; by default it is found from D.
+
+    Returns
+    -------
+    Area
+        A named tuple of ``value``, ``error`` and ``evaluations``. The error bounds what is off if D and G1 have no feature
+        narrower than a sixth of its distance from the origin, in slopes over the scales, which are tested from 1e-5 to 1e4.
+
+    Raises
+    ------
+    ValueError
+        For a direction that is not above the horizon, for other numbers, and where D or G1 is not finite.
+
+    References
+    ----------
+    heitz2014.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> area = mf.seen_area(mf.GGX(0.5), [0.6, 0.0, 0.8])
+    >>> print(f"{area.value:.10f} {1 + mf.GGX(0.5).Lambda([0.6, 0.0, 0.8]):.10f}")
+    1.0340002341 1.0340002341
     """
     view = as_vectors("wo", wo)
     if view.shape != (3,) or not view[2] > 0:

@@ -40,12 +40,22 @@ TITLES = {
 
 @dataclass(frozen=True)
 class Verdict:
-    """What one equation says of a model.
+    """Verdict of one validation equation on a model.
 
-    verdict: "holds", "fails", or "undecided" where the error bound is too large to tell. residual: the worst relative
-    deviation from the equation. bound: its error, estimated from how integrands fall and from rounding, not proved.
-    where: the direction, or pair, in degrees, at which the residual was found. rests_on: what was looked at. needs: what
-    would decide an undecided one.
+    Attributes
+    ----------
+    equation : str
+        Name of the equation.
+    verdict : str
+        ``"holds"``, ``"fails"``, or ``"undecided"`` where the error is too large to tell.
+    residual : float
+        Worst relative deviation from the equation.
+    bound : float
+        Its error, estimated from how integrands fall and from rounding, not proved.
+    where : str
+        Direction, or pair of them, of the residual, in degrees.
+    rests_on : str
+        Directions and resolution that were tested.
     """
 
     equation: str
@@ -57,6 +67,7 @@ class Verdict:
 
     @property
     def needs(self) -> str:
+        """What would decide an undecided equation; otherwise empty."""
         if self.verdict != "undecided":
             return ""
         needed = abs(self.residual) + self.bound
@@ -64,11 +75,12 @@ class Verdict:
 
     @property
     def title(self) -> str:
+        """The equation in words."""
         return TITLES[self.equation]
 
 
 class Validation(Mapping[str, Verdict]):
-    """The verdicts on one model, by the name of the equation."""
+    """Verdicts on one model: a mapping from the names of the equations, which prints as a table."""
 
     def __init__(self, model: str, verdicts: list[Verdict]) -> None:
         self.model, self._verdicts = model, {v.equation: v for v in verdicts}
@@ -98,14 +110,43 @@ class Validation(Mapping[str, Verdict]):
 
 
 def validate(model: Masking, wo: Any = None, tolerance: float = TOLERANCE) -> Validation:
-    """A verdict for each of the seven equations. heitz2014.
+    """Test whether a model obeys the seven validation equations.
 
-    wo: view directions (..., 3), unit vectors above the horizon, at least one, taken in double precision, where what rounding
-    left of their length is put right; by default 8 polar angles from 0 to 89 degrees, each from azimuths of its own, for smooth
-    surfaces also angles so near the horizon that facets mask each other, and views along lobes that lean. tolerance: the
-    largest relative residual that counts as rounding, above 0. ValueError for other views
-    or tolerances, for anything but a masking model, where D is not finite, and for a distribution that says it is isotropic
-    and is not.
+    Four are of the normals and their visibility (``projected_area``, ``visible_area``, ``visible_norm``, ``weak_furnace``),
+    three of the BRDF with F = 1 (``positivity``, ``reciprocity``, ``energy``).
+
+    Parameters
+    ----------
+    model : Masking
+        Model of masking and shadowing, with numbers for parameters.
+    wo : array_like, shape (..., 3), optional
+        View directions above the horizon, unit vectors. By default 8 polar angles from 0 to 89 degrees, each from azimuths
+        of its own; for smooth surfaces also angles at which microfacets mask each other, and views along lobes that lean.
+    tolerance : float, optional
+        Largest relative residual that counts as rounding, above 0.
+
+    Returns
+    -------
+    Validation
+        A mapping from the names of the equations to a `Verdict` each.
+
+    Raises
+    ------
+    ValueError
+        For other arguments, where D is not finite, and for a distribution that claims to be isotropic and is not.
+
+    References
+    ----------
+    heitz2014.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> mf.validate(mf.Smith(mf.GGX(0.3))).holds
+    True
+    >>> verdict = mf.validate(mf.Kelemen(mf.GGX(0.3)))["visible_area"]
+    >>> print(verdict.verdict, f"{verdict.residual:+.3f}", verdict.where)
+    fails -0.382 theta_o = 89, phi_o = 117.4
     """
     if not isinstance(model, Masking):
         raise ValueError(f"model must be a model of masking such as Smith(GGX(0.3)), got {model!r}")

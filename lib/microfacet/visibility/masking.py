@@ -75,14 +75,50 @@ def no_Lambda(w: Vector, p: ModelParameters) -> float:
 
 
 class Masking(Parametric):
-    """A model of masking and shadowing over a distribution of normals.
+    r"""Base class of the models of masking and shadowing over a distribution of normals.
 
-    ndf: the distribution. own: the parameters of the model itself, best a named tuple. parameters: what the kernels take last,
-    p.ndf and p.model.
-    A model names three kernels: Lambda, which is computed once for each direction (by default 0), G1 given Lambda, and G2 given
-    that of both directions. The last two also take the cosines om = wo.wm and im = wi.wm, above 0: who calls them knows on
-    which side of the facet a direction is. A BRDF does without a dot product, whose sign rounding decides where both directions
-    graze: at the half vector both cosines are half the length of wo + wi.
+    A physical masking function conserves the projected area that a viewer sees,
+
+    .. math:: \int_{\Omega} G_1(\omega_o, \omega_m) \left\langle \omega_o, \omega_m \right\rangle D(\omega_m) \, d\omega_m
+              = \cos\theta_o,
+
+    statement ``visibility.masking.projected_area``, which `validate` checks.
+
+    A subclass gives three kernels: ``Lambda_kernel``, computed once for each direction (by default 0); ``G1_kernel``, given
+    Lambda; and ``G2_kernel``, given that of both directions. The last two also take the cosines between directions and normal,
+    above 0, and not the dot products alone, whose sign rounding decides at grazing angles.
+
+    Parameters
+    ----------
+    ndf : Distribution
+        Distribution of normals.
+    own : tuple, optional
+        Parameters of the model itself, best a named tuple.
+
+    Attributes
+    ----------
+    parameters : tuple
+        What the kernels take as their last argument: ``p.ndf``, of the distribution, and ``p.model``, of the model.
+
+    Raises
+    ------
+    ValueError
+        If ndf is not a distribution.
+
+    See Also
+    --------
+    Smith : Normals and heights that do not depend on each other.
+    VCavity : Grooves of two facets.
+
+    References
+    ----------
+    heitz2014.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> isinstance(mf.Smith(mf.GGX(0.3)), mf.Masking)
+    True
     """
 
     Lambda_kernel: Callable[..., float] = staticmethod(no_Lambda)  # Lambda(w, parameters)
@@ -97,25 +133,142 @@ class Masking(Parametric):
         self.parameters = ModelParameters(ndf.parameters, own)
 
     def G1(self, wo: ArrayLike, wm: ArrayLike) -> NDArray[Any]:
-        """Share of the facets with normal wm that wo sees, in [0, 1] for a physical model; shapes (..., 3) -> (...)."""
+        """Masking function: the fraction of the microfacets with normal wm that is visible from wo.
+
+        Parameters
+        ----------
+        wo : array_like, shape (..., 3)
+            View directions, unit vectors.
+        wm : array_like, shape (..., 3)
+            Microfacet normals, unit vectors; shapes broadcast.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            Fraction, in [0, 1] for a physical model; 0 below the horizon and for microfacets turned away.
+
+        Raises
+        ------
+        ValueError
+            If an argument does not hold unit vectors.
+
+        References
+        ----------
+        heitz2014.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> print(f"{mf.Smith(mf.GGX(0.5)).G1([0.6, 0.0, 0.8], [0, 0, 1]):.4f}")
+        0.9671
+        """
         kernel = G1_of_directions(self.Lambda_kernel, self.G1_of_facet)
         return over_pairs(kernel)([vectors("wo", wo), vectors("wm", wm)], self.parameters)
 
     def G2(self, wo: ArrayLike, wi: ArrayLike, wm: ArrayLike) -> NDArray[Any]:
-        """Share of the facets with normal wm that both wo and wi see; shapes (..., 3) -> (...)."""
+        """Masking-shadowing function: the fraction of the microfacets with normal wm that is visible from both wo and wi.
+
+        Parameters
+        ----------
+        wo : array_like, shape (..., 3)
+            View directions, unit vectors.
+        wi : array_like, shape (..., 3)
+            Light directions, unit vectors.
+        wm : array_like, shape (..., 3)
+            Microfacet normals, unit vectors; shapes broadcast.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            Fraction, at most that of either direction for a physical model; 0 where `G1` of either is.
+
+        Raises
+        ------
+        ValueError
+            If an argument does not hold unit vectors.
+
+        References
+        ----------
+        heitz2014, eq. 98 (separable) and eq. 99 (height-correlated) for Smith's model.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> print(f"{mf.Smith(mf.GGX(0.5)).G2([0.6, 0.0, 0.8], [-0.6, 0.0, 0.8], [0, 0, 1]):.4f}")
+        0.9363
+        """
         kernel = G2_of_directions(self.Lambda_kernel, self.G2_of_facet)
         return over_triples(kernel)([vectors("wo", wo), vectors("wi", wi), vectors("wm", wm)], self.parameters)
 
     def D_visible(self, wo: ArrayLike, wm: ArrayLike) -> NDArray[Any]:
-        """Distribution of the normals that wo sees, 1/sr; shapes (..., 3) -> (...). heitz2014."""
+        r"""Distribution of visible normals, in 1/sr.
+
+        .. math:: D_{\omega_o}(\omega_m) = \frac{G_1(\omega_o, \omega_m)
+                  \left\langle \omega_o, \omega_m \right\rangle D(\omega_m)}{\cos\theta_o}
+
+        Statement ``visibility.masking.D_visible``.
+
+        Parameters
+        ----------
+        wo : array_like, shape (..., 3)
+            View directions, unit vectors.
+        wm : array_like, shape (..., 3)
+            Microfacet normals, unit vectors; shapes broadcast.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            Probability density over normals, 1/sr; 0 below the horizon and for microfacets turned away.
+
+        Raises
+        ------
+        ValueError
+            If an argument does not hold unit vectors.
+
+        References
+        ----------
+        heitz2014; heitzdeon2014.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> print(f"{mf.Smith(mf.GGX(0.5)).D_visible([0.6, 0.0, 0.8], [0, 0, 1]):.4f}")
+        1.2314
+        """
         kernel = visible_density(self.Lambda_kernel, self.G1_of_facet, type(self.ndf).kernel)
         return over_pairs(kernel)([vectors("wo", wo), vectors("wm", wm)], self.parameters)
 
     def sample_visible(self, wo: ArrayLike, u: ArrayLike, out: NDArray[Any] | None = None) -> NDArray[Any]:
-        """Normals distributed as `D_visible`, shapes (..., 3) and (..., 2) -> (..., 3), for u in [0, 1).
+        """Draw normals with density `D_visible`.
 
-        The zero vector where wo is below the horizon; ValueError if the model has no such sampler. out: an array to fill and
-        return; after an error what it holds is of no use.
+        Parameters
+        ----------
+        wo : array_like, shape (..., 3)
+            View directions, unit vectors.
+        u : array_like, shape (..., 2)
+            Uniform numbers in [0, 1); shapes broadcast.
+        out : ndarray, optional
+            Array of the result's shape and precision to fill and return; its contents are undefined after an error.
+
+        Returns
+        -------
+        ndarray, shape (..., 3)
+            Unit normals; the zero vector where wo is below the horizon.
+
+        Raises
+        ------
+        ValueError
+            If the model has no such sampler, if wo does not hold unit vectors, or if u is outside [0, 1).
+
+        References
+        ----------
+        dupuy2023 for GGX, heitzdeon2014 for Beckmann; heitz2018.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> print(mf.Smith(mf.GGX(0.5)).sample_visible([0.6, 0.0, 0.8], [0.5, 0.25]).round(4))
+        [-0.1715  0.      0.9852]
         """
         if self.sampler is None:
             raise ValueError(f"{self!r} has no sampler of visible normals; Smith over GGX or Beckmann has")

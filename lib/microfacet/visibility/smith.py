@@ -356,10 +356,42 @@ def of_distribution(kernel: Callable[..., Vector]) -> Callable[..., Vector]:
 
 
 class Smith(Masking):
-    """Smith's model over any distribution of normals. smith1967; heitz2014.
+    r"""Smith's model of masking and shadowing, for any distribution of normals.
 
-    correlation: how masking and shadowing depend on each other: "height" (default), "none" (separable), "direction",
-    "height-direction". Lambda is a closed form where the distribution has one, otherwise a quadrature.
+    .. math:: G_1(\omega_o, \omega_m) = \frac{\chi^{+}(\omega_o \cdot \omega_m)}{1 + \Lambda(\omega_o)}, \quad
+              G_2(\omega_o, \omega_i, \omega_m) = \frac{\chi^{+}(\omega_o \cdot \omega_m) \, \chi^{+}(\omega_i \cdot \omega_m)}
+              {1 + \Lambda(\omega_o) + \Lambda(\omega_i)}
+
+    the latter correlated by height. Lambda is a closed form where the distribution has one, otherwise a quadrature.
+    Statements ``visibility.smith.G1`` and ``brdf.shadowing.height``.
+
+    Parameters
+    ----------
+    ndf : Distribution
+        Distribution of normals; one without a closed form takes numbers for parameters, not arrays.
+    correlation : {"height", "none", "direction", "height-direction"}, optional
+        What masking and shadowing have in common: the height of a microfacet (the default), nothing (``"none"``, separable),
+        the azimuth of the two directions, or both.
+
+    Raises
+    ------
+    ValueError
+        If ndf is not a distribution, or correlation not one of the four.
+
+    References
+    ----------
+    smith1967; heitz2014, eq. 98 (separable) and eq. 99 (height-correlated); ashikhmin2000 and ginneken1998 (direction).
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> model = mf.Smith(mf.GGX(0.3, 0.1))
+    >>> mf.validate(model).holds
+    True
+    >>> separable = mf.Smith(mf.GGX(0.3, 0.1), correlation="none")
+    >>> wo, wi = [0.6, 0.0, 0.8], [-0.6, 0.0, 0.8]
+    >>> print(f"{model.G2(wo, wi, [0, 0, 1]):.5f} {separable.G2(wo, wi, [0, 0, 1]):.5f}")
+    0.97561 0.97546
     """
 
     label, cite = "Smith", "smith1967"
@@ -377,7 +409,35 @@ class Smith(Masking):
         self.parameters = ModelParameters(ndf.parameters, own)
 
     def Lambda(self, wo: ArrayLike) -> NDArray[Any]:
-        """Lambda(wo) = 1/G1 - 1, shapes (..., 3) -> (...); infinite at the horizon and below. heitz2014, section 5."""
+        r"""Smith's Lambda: the ratio of hidden to visible projected area, :math:`1/G_1 - 1`.
+
+        In closed form where the distribution has one, otherwise by quadrature; statement ``visibility.smith.Lambda``.
+
+        Parameters
+        ----------
+        wo : array_like, shape (..., 3)
+            View directions, unit vectors.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            Lambda, dimensionless, at least 0; infinite at the horizon and below.
+
+        Raises
+        ------
+        ValueError
+            If wo does not hold unit vectors.
+
+        References
+        ----------
+        heitz2014, section 5.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> print(f"{mf.Smith(mf.Ward(0.5)).Lambda([0.96, 0.0, 0.28]):.4f}")
+        0.0639
+        """
         return lambda_batch(self.Lambda_kernel)([vectors("wo", wo)], self.parameters)
 
     @property

@@ -146,7 +146,32 @@ class Flattening(NamedTuple):
 
 
 class Implicit(Masking):
-    """G2 = cos theta_o cos theta_i, which leaves D F/4 of the BRDF. Fails the validation equations. hoffman2010."""
+    r"""Implicit masking and shadowing, for which the BRDF is D F/4; no surface has it.
+
+    .. math:: G_2(\omega_o, \omega_i, \omega_m) = \cos\theta_o \cos\theta_i
+
+    Statements ``visibility.implicit.G1`` and ``brdf.implicit.G2``.
+
+    Parameters
+    ----------
+    ndf : Distribution
+        Distribution of normals.
+
+    Raises
+    ------
+    ValueError
+        If ndf is not a distribution.
+
+    References
+    ----------
+    hoffman2010.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> mf.validate(mf.Implicit(mf.GGX(0.3)))["visible_area"].verdict
+    'fails'
+    """
 
     label, cite = "Implicit", "hoffman2010"
 
@@ -155,7 +180,33 @@ class Implicit(Masking):
 
 
 class Kelemen(Masking):
-    """G2 = cos theta_o cos theta_i/(wo.wm)^2. Fails the validation equations. kelemen2001."""
+    r"""Kelemen's masking and shadowing; not of a surface with these normals.
+
+    .. math:: G_2(\omega_o, \omega_i, \omega_m) =
+              \frac{\cos\theta_o \cos\theta_i}{(\omega_o \cdot \omega_m)(\omega_i \cdot \omega_m)}
+
+    The split into two equal factors G1 is this library's. Statements ``visibility.kelemen.G1`` and ``brdf.kelemen.G2``.
+
+    Parameters
+    ----------
+    ndf : Distribution
+        Distribution of normals.
+
+    Raises
+    ------
+    ValueError
+        If ndf is not a distribution.
+
+    References
+    ----------
+    kelemen2001.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> mf.validate(mf.Kelemen(mf.GGX(0.3)))["visible_area"].verdict
+    'fails'
+    """
 
     label, cite = "Kelemen", "kelemen2001"
 
@@ -164,10 +215,34 @@ class Kelemen(Masking):
 
 
 class SchlickSmith(Masking):
-    """Schlick's rational approximation of Smith's G1. Fails the validation equations. schlick1994.
+    r"""Schlick's rational approximation of Smith's masking; not of a surface with these normals.
 
-    k: above 0, a number or an array; by default alpha sqrt(2/pi) with the larger roughness of the distribution. Games often use
-    alpha/2. ValueError for others, and where the distribution has no roughness and no k is given.
+    .. math:: G_1(\omega_o, \omega_m) = \frac{\chi^{+}(\omega_o \cdot \omega_m) \cos\theta_o}{(1 - k) \cos\theta_o + k}
+
+    and G2 is the product for both directions. Statements ``visibility.schlick_smith.G1`` and ``brdf.schlick_smith.G2``.
+
+    Parameters
+    ----------
+    ndf : Distribution
+        Distribution of normals.
+    k : array_like, optional
+        Above 0; by default :math:`\alpha \sqrt{2/\pi}` with the larger roughness of ndf. Games often use :math:`\alpha/2`.
+
+    Raises
+    ------
+    ValueError
+        If ndf is not a distribution, if k is not above 0, or if neither k nor a roughness of ndf is known.
+
+    References
+    ----------
+    schlick1994.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> model = mf.SchlickSmith(mf.GGX(0.3), k=0.15)
+    >>> print(f"{model.G1([0.6, 0.0, 0.8], [0, 0, 1]):.4f} {mf.Smith(mf.GGX(0.3)).G1([0.6, 0.0, 0.8], [0, 0, 1]):.4f}")
+    0.9639 0.9877
     """
 
     label, cite = "Schlick-Smith", "schlick1994"

@@ -122,7 +122,34 @@ def kernel_G2(
 
 
 class VCavity(Masking):
-    """V-cavities over a distribution with opposite facets, D(theta, phi) = D(theta, phi + pi). cook1982."""
+    r"""Masking and shadowing of V-shaped cavities, each of two opposite microfacets.
+
+    .. math:: G_2(\omega_o, \omega_i, \omega_m) = \min\left( 1,
+              \frac{2 (\omega_m \cdot \omega_g)(\omega_o \cdot \omega_g)}{\omega_o \cdot \omega_m},
+              \frac{2 (\omega_m \cdot \omega_g)(\omega_i \cdot \omega_g)}{\omega_i \cdot \omega_m} \right)
+
+    for microfacets turned to both directions. Statements ``visibility.v_cavity.G1`` and ``brdf.v_cavity.G2``.
+
+    Parameters
+    ----------
+    ndf : Distribution
+        Distribution of normals with opposite microfacets: D does not change when the azimuth does by pi.
+
+    Raises
+    ------
+    ValueError
+        If ndf is not a distribution.
+
+    References
+    ----------
+    torrance1967; cook1982; heitz2014.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> mf.validate(mf.VCavity(mf.Beckmann(0.3))).holds
+    True
+    """
 
     label, cite = "V-cavities", "cook1982"
 

@@ -3,6 +3,8 @@
 import importlib
 from typing import Any
 
+__version__ = "0.0.1"
+
 PUBLIC = {"GGX": "geometry.ggx", "equations": "statement"}
 
 
