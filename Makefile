@@ -37,7 +37,7 @@ lint: $(READY)
 	@$(BIN)/ruff check
 	@$(BIN)/ruff format --check
 	@$(BIN)/mypy
-	@$(BIN)/python workflow/direction.py
+	@PYTHONPATH=lib:. $(BIN)/lint-imports --no-cache --no-logo
 	@$(BIN)/snakemake --lint
 
 # Pages that Sphinx makes of docstrings are made anew, so that none is left of a name that is gone.
@@ -50,7 +50,7 @@ record: $(READY)
 	@$(BIN)/python workflow/ledger.py renew build/ledger.json records/ledger.json
 
 bench: $(READY)
-	@PYTHONPATH=lib $(BIN)/python figures/speed/bench.py $(NAME)
+	@PYTHONPATH=lib $(BIN)/python -m benchmarks.bench $(NAME)
 
 # The environment: an interpreter that is new enough, uv by its hash, then everything else by its.
 $(READY): requirements.lock pyproject.toml

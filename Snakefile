@@ -101,7 +101,7 @@ rule measured:
     conda:
         "environment.yml"
     shell:
-        "python -m microfacet.surface.trials {output} 2> {log}"
+        "python -m report.trials {output} 2> {log}"
         " && python workflow/seal.py {output} 2>> {log} || python workflow/failed.py {log} $?"
 
 
@@ -254,7 +254,7 @@ rule report:
     conda:
         "environment.yml"
     shell:
-        "python workflow/report.py {output} {params.source} 2> {log}"
+        "python workflow/typeset.py {output} {params.source} 2> {log}"
         " && python workflow/seal.py {output} 2>> {log} || python workflow/failed.py {log} $?"
 
 

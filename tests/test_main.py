@@ -121,6 +121,7 @@ def test_what_is_left_out_without_python_flint_is_told(
         ("--alpha 0.3 --fresnel -1.5,2", "eta must"),
         ("--alpha 0.3 --chart x.gif", "chart must end in .svg, .pdf or .png, got 'x.gif'"),
         ("--alpha 0.3 --chart .", "chart must end in"),
+        ("--alpha 0.3 --costs none.json", "costs must be a record of benchmarks, and there is no file none.json"),
         ("--alpha 0.3 --chart folder.svg", "folder.svg is a folder"),
     ],
 )
@@ -128,7 +129,7 @@ def test_a_question_that_is_none_is_refused_at_once(
     words: str, sentence: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("microfacet.enough.choice.known_costs", lambda *_: pytest.fail("worked first"))
+    monkeypatch.setattr("microfacet.enough.choice.costs_now", lambda *_: pytest.fail("worked first"))
     Path("folder.svg").mkdir()
     assert main(["choose", *words.split()]) == 2
     said = capsys.readouterr().err

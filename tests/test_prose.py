@@ -113,11 +113,11 @@ def beside(figure: inventory.Figure) -> Iterator[str]:
     scripts = [figure.script, *([figure.data_script] if figure.data_script else [])]
     texts = [script.read_text("utf-8") for script in scripts]
     yield from texts
-    for name in re.findall(r"^from (\w+) import", "\n".join(texts), re.M):
-        path = figure.script.with_name(f"{name}.py")
+    for folder, name in re.findall(r"^from (benchmarks\.)?(\w+) import", "\n".join(texts), re.M):
+        path = Path("benchmarks", f"{name}.py") if folder else figure.script.with_name(f"{name}.py")
         yield from [path.read_text("utf-8")] if path.exists() else []
-    if "surface.campaign" in "".join(texts):
-        yield Path("lib/microfacet/surface/campaign.py").read_text("utf-8")
+    if "report.campaign" in "".join(texts):
+        yield Path("lib/report/campaign.py").read_text("utf-8")
 
 
 def test_numbers_in_captions_are_those_of_the_data() -> None:

@@ -18,10 +18,10 @@ import closure
 import failed
 import inventory
 import provenance
-import report
+import typeset
 
 ENDINGS = (".svg", ".pdf", ".png")
-TRIALS = Path("lib/microfacet/surface/trials.py")
+TRIALS = Path("lib/report/trials.py")
 VERSIONS = "requirements.lock"
 ONE_OF_EACH = (
     "build/checked",
@@ -37,7 +37,7 @@ def settle_environment() -> None:
     """Jobs run this interpreter, one thread each, and keep their byte code."""
     here = str(Path(sys.executable).parent)
     os.environ["PATH"] = here + os.pathsep + os.environ.get("PATH", "")
-    os.environ["PYTHONPATH"] = str(Path("lib").resolve())
+    os.environ["PYTHONPATH"] = os.pathsep.join(str(Path(folder).resolve()) for folder in ("lib", "."))
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     threads = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
     os.environ.setdefault("MICROFACET_CACHE", str(Path("build/kernels").resolve()))
@@ -167,7 +167,7 @@ def asked_for(arguments: list[str]) -> list[str]:
 
 def texts() -> list[str]:
     """Chapters, and the abstract if there is one."""
-    abstract = [report.ABSTRACT] if Path(f"chapters/{report.ABSTRACT}.md").is_file() else []
+    abstract = [typeset.ABSTRACT] if Path(f"chapters/{typeset.ABSTRACT}.md").is_file() else []
     return [*abstract, *inventory.chapters()]
 
 
@@ -207,7 +207,7 @@ def chapter_names(stem: str) -> str:
 def report_tools(form: str) -> list[str]:
     """What sets the report: its script, and what the templates read for this form."""
     shared = ["template.typ", "shared.typ", "page.typ", "web.typ"]
-    return tools("report.py") + [f"workflow/{name}" for name in shared + (["web.css", "web.js"] if form == "html" else [])]
+    return tools("typeset.py") + [f"workflow/{name}" for name in shared + (["web.css", "web.js"] if form == "html" else [])]
 
 
 def source_options() -> str:

@@ -42,9 +42,9 @@ def gathered(script: Path | None) -> list[str]:
 
 
 def measure(entry: str, first: str, last: str, output: str) -> None:
-    from microfacet.datafile import refuse, store
-    from microfacet.surface.campaign import CAMPAIGN
     from microfacet.surface.measure import shard
+    from report.campaign import CAMPAIGN
+    from report.datafile import refuse, store
 
     if entry not in CAMPAIGN:
         sys.exit(f"The campaign has no {entry!r}; it has {', '.join(CAMPAIGN)}.")
@@ -53,8 +53,8 @@ def measure(entry: str, first: str, last: str, output: str) -> None:
 
 
 def gather(output: str, *parts: str) -> None:
-    from microfacet.datafile import load, store
     from microfacet.surface import measure
+    from report.datafile import load, store
 
     store(output, **measure.gather(load(part, made_in=str(Path(part).parent)) for part in parts))
 

@@ -6,6 +6,8 @@ is lazy, so `mf.GGX` leads to the one module that its table of names (a dict lit
 `__init__.py`) gives for GGX. What a function of the library imports when it is called counts if
 anything that is needed names that function. What cannot be followed (`f(mf)`, `getattr`, a module that imports by
 computed names) counts as the whole package: too much is redone, never too little.
+
+Packages are the library, and `report` beside it.
 """
 
 from __future__ import annotations
@@ -19,21 +21,30 @@ from functools import cache
 from pathlib import Path
 
 PACKAGE = "microfacet"
-SOURCE_ROOT = Path("lib")
+PACKAGES = {PACKAGE: Path("lib"), "report": Path("lib"), "benchmarks": Path()}  # and the folder that each lies in
 KEPT = Path("build/closures")
 COMPUTED_IMPORTS = {"import_module", "__import__", "iter_modules", "walk_packages", "run_module"}
 
 
 @cache
 def module_file(name: str) -> Path | None:
-    """The file of a module of the package, or None where `name` is no module."""
-    path = SOURCE_ROOT.joinpath(*name.split("."))
+    """The file of a module of the packages, or None where `name` is no module."""
+    path = path_of(name)
     candidates = (path / "__init__.py", path.with_suffix(".py"))
     return next((c for c in candidates if c.is_file()), None)
 
 
+def path_of(module: str) -> Path:
+    parts = module.split(".")
+    return PACKAGES.get(parts[0], Path("lib")).joinpath(*parts)
+
+
+def is_ours(module: str) -> bool:
+    return module.split(".")[0] in PACKAGES
+
+
 def is_module(name: str) -> bool:
-    return module_file(name) is not None or SOURCE_ROOT.joinpath(*name.split(".")).is_dir()
+    return module_file(name) is not None or path_of(name).is_dir()
 
 
 @cache
@@ -50,8 +61,8 @@ def tree_of(file: Path) -> ast.Module:
 
 
 @cache
-def whole_package() -> frozenset[Path]:
-    return frozenset((SOURCE_ROOT / PACKAGE).rglob("*.py"))
+def whole_package(package: str = PACKAGE) -> frozenset[Path]:
+    return frozenset(path_of(package).rglob("*.py"))
 
 
 @cache
@@ -182,8 +193,9 @@ class Imports(ast.NodeVisitor):
 
     def bind(self, node: ast.Import) -> None:
         for alias in node.names:
-            if alias.name.split(".")[0] == PACKAGE and (not alias.asname or not is_plain(alias.name)):
-                self.bound[alias.asname or PACKAGE] = alias.name if alias.asname else PACKAGE
+            if is_ours(alias.name) and (not alias.asname or not is_plain(alias.name)):
+                package = alias.name.split(".")[0]
+                self.bound[alias.asname or package] = alias.name if alias.asname else package
 
     def name(self, modules: set[str]) -> None:
         """Modules named by an import: at once, or once the function around it is called."""
@@ -194,7 +206,7 @@ class Imports(ast.NodeVisitor):
 
     def visit_Import(self, node: ast.Import) -> None:
         for alias in node.names:
-            if alias.name.split(".")[0] != PACKAGE:
+            if not is_ours(alias.name):
                 self.others.add(alias.name)
             elif alias.asname and is_plain(alias.name):
                 self.name(from_module(alias.name))
@@ -203,7 +215,7 @@ class Imports(ast.NodeVisitor):
 
     def visit_ImportFrom(self, node: ast.ImportFrom) -> None:
         base = self.base(node)
-        if base.split(".")[0] != PACKAGE:
+        if not is_ours(base):
             self.others.add(base)
         elif is_plain(base):
             for alias in node.names:
@@ -276,7 +288,8 @@ def of_source(source: str, folder: Path | None = None) -> frozenset[Path]:
 
     To read the whole library takes seconds, so answers are kept, by what they depend on.
     """
-    kept = KEPT / f"{digest(source, digest_of(whole_package()), digest_of(folder.glob('*.py')) if folder else '')}.json"
+    beside = digest_of(folder.glob("*.py")) if folder else ""
+    kept = KEPT / f"{digest(source, *(digest_of(whole_package(name)) for name in PACKAGES), beside)}.json"
     from microfacet.files import keep, recall
 
     known = recall(kept)
@@ -313,16 +326,15 @@ def read_through(source: str, folder: Path | None) -> frozenset[Path]:
 def followed(modules: set[str], names: set[str]) -> set[Path]:
     """The files of modules and of what they import; `names` are those used so far, and grow with each module."""
     seen: set[str] = set()
-    while rest := modules - seen:
-        if "*" in rest:
-            return set(whole_package())
+    while rest := modules - seen - {"*"}:
         seen |= rest
         names = names.union(*map(module_names, rest))
         modules = modules.union(*(module_imports(module).found for module in rest))
         for module in seen:
             late = module_imports(module).late
             modules |= set[str]().union(*(late[name] for name in late.keys() & names | {n for n in late if n.startswith("__")}))
-    return {file for module in seen for file in imported_files(module)}
+    files = {file for module in seen for file in imported_files(module)}
+    return files | whole_package() if "*" in modules else files
 
 
 def siblings(imports: Imports, folder: Path | None) -> Iterator[Path]:

@@ -21,4 +21,5 @@ export VIRTUAL_ENV="$PWD/.venv"
 $bin/uv pip sync --quiet --python $bin/python --require-hashes requirements.lock
 $bin/uv pip install --quiet --python $bin/python --no-deps --no-build-isolation --editable .
 # Python reads the path of the library in the locale's encoding, which may not know the checkout's name: say it from there.
-for path in .venv/lib/python*/site-packages/*microfacet.pth; do echo ../../../../lib > "$path"; done
+# `benchmarks` lies beside it.
+for path in .venv/lib/python*/site-packages/*microfacet.pth; do printf '%s\n' ../../../../lib ../../../.. > "$path"; done

@@ -107,7 +107,7 @@ def measured(path: Path, building: bool) -> bool:
     """Whether a range of surfaces that came without its seal is whole by the digest in it; hours may have gone into it."""
     if path.parent.parent != Path(campaign.FOLDER) or seal.read(path) is not None:
         return False
-    from microfacet.datafile import intact
+    from report.datafile import intact
 
     good = intact(path)
     if good and building:

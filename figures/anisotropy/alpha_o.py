@@ -10,7 +10,7 @@ roughness $\sqrt{\alpha_x \alpha_y}$ would give at every azimuth.
 import sys
 
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (70, 71)
 

@@ -10,7 +10,7 @@ contours give the projected area of Ward, which loses more the larger either rou
 import sys
 
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (67,)
 LEVELS = 10.0 ** np.arange(-3, 0.6, 0.5)

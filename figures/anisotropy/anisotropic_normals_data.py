@@ -3,13 +3,12 @@
 import sys
 
 import numpy as np
-from microfacet.datafile import rounded, store
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
 from microfacet.geometry.ward import Ward
-from microfacet.validation.equations import ABOVE, TOLERANCE, residual
-from microfacet.validation.tables import decide
+from microfacet.validation.equations import ABOVE, TOLERANCE, decide, residual
 from microfacet.visibility.v_cavity import VCavity
+from report.datafile import rounded, store
 
 ALPHAS = (0.6, 0.2)
 TRIED = np.arange(1, 17) / 16

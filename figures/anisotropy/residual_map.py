@@ -11,7 +11,7 @@ V-cavities hold everywhere.
 import sys
 
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (72,)
 TITLES = {"smith": r"Smith, $\alpha_o$", "v_cavity": "V-cavities", "mean": r"Smith, $\sqrt{\alpha_x \alpha_y}$"}

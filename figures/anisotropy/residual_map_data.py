@@ -3,23 +3,23 @@
 import sys
 
 import numpy as np
-from microfacet.datafile import rounded, store
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX, ggx_Lambda
-from microfacet.validation.equations import TOLERANCE, residuals
-from microfacet.validation.tables import decide
+from microfacet.validation.equations import TOLERANCE, decide, residuals
 from microfacet.visibility.smith import Smith
 from microfacet.visibility.v_cavity import VCavity
+from report.datafile import rounded, store
 
 ALPHAS, FLOOR = (0.1, 0.6), 1e-10
 ROUGHNESS = (0.05, 0.1, 0.25, 0.5, 1.0)
 THETA, PHI = np.linspace(0, 88, 12), np.linspace(0, 90, 21)
 
 
-def mean_Lambda(x, y, z, p):
+def mean_Lambda(w, p):
     """GGX's Lambda with one mean roughness for all azimuths: wrong, and here to be found out."""
-    return ggx_Lambda(abs(z) / ((p[1][0] * p[1][1]) ** 0.5 * max((x * x + y * y) ** 0.5, 1e-300)))
+    x, y, z = w
+    return ggx_Lambda(abs(z) / ((p.ndf.alpha_x * p.ndf.alpha_y) ** 0.5 * max((x * x + y * y) ** 0.5, 1e-300)))
 
 
 class MeanRoughness(Smith):
@@ -27,7 +27,7 @@ class MeanRoughness(Smith):
 
     def __init__(self, ndf: GGX) -> None:
         super().__init__(ndf)
-        self.view_kernel = mean_Lambda
+        self.Lambda_kernel = mean_Lambda
 
 
 MODELS = {"smith": Smith(GGX(*ALPHAS)), "v_cavity": VCavity(GGX(*ALPHAS)), "mean": MeanRoughness(GGX(*ALPHAS))}

@@ -11,7 +11,7 @@ stretched with the surface and otherwise unchanged.
 import sys
 
 import numpy as np
-from microfacet import motion, plotting
+from report import motion, plotting
 
 SLIDES = (68, 69)
 BLUES = (plotting.COLOURS["view"], plotting.COLOURS["sky"])

@@ -3,8 +3,9 @@
 import sys
 
 import numpy as np
-from microfacet.datafile import store
-from microfacet.surface.profile import Profile, angle, direction, example, percentages
+from microfacet.surface.profile import Profile, angle, direction
+from report.datafile import store
+from report.example import example, percentages
 
 THETA_O = np.radians(55.0)
 STRETCHES = (1.0, 1.5, 2.0)

@@ -12,7 +12,7 @@ it was drawn from.
 import sys
 
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (64, 65, 66)
 LEVELS = (0.05, 0.2, 0.5, 0.8)

@@ -3,9 +3,9 @@
 import sys
 
 import numpy as np
-from microfacet.datafile import rounded, store
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.surface.gaussian import GaussianField
+from report.datafile import rounded, store
 
 ALPHA, STRETCH, LENGTH = 0.5, 2.0, 16.0
 SIZE, SHOWN, SLOPES = 192, 400, 1.25

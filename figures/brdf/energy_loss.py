@@ -10,7 +10,7 @@ than upright light on a smooth surface, and less on a rough one.
 
 import sys
 
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (73, 74, 75)
 MODEL = (

@@ -4,10 +4,10 @@ import sys
 
 import microfacet as mf
 import numpy as np
-from microfacet.datafile import rounded, store
 from microfacet.directions import spherical
-from microfacet.surface.campaign import CAMPAIGN, THETA_O, read
 from microfacet.surface.measure import estimate
+from report.campaign import CAMPAIGN, THETA_O, read
+from report.datafile import rounded, store
 
 ENTRIES = ("lobes_04", "lobes_07", "lobes_10")
 ALPHA = np.r_[0.02, np.arange(0.05, 1.001, 0.05)]

@@ -10,7 +10,7 @@ Smith's. Roughness is $\alpha = 0.4$ throughout.
 import sys
 
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (51, 52)
 MODEL = (

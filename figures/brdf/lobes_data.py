@@ -4,14 +4,15 @@ import sys
 
 import numpy as np
 from microfacet.brdf.specular import Microfacet
-from microfacet.datafile import rounded, store
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
-from microfacet.validation.tables import CLASSIC, INTEGRALS, attempt
+from microfacet.validation.equations import INTEGRALS
 from microfacet.visibility.smith import Smith
 from microfacet.visibility.unphysical import Implicit, Kelemen
 from microfacet.visibility.v_cavity import VCavity
+from report.datafile import rounded, store
+from report.verdicts import CLASSIC, attempt
 
 DEGREES = 60.0
 MODELS = {

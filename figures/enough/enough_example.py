@@ -7,8 +7,8 @@ grey line joins those that no other beats in both, the dashed line is the tolera
 import sys
 
 import numpy as np
-from microfacet import plotting
 from microfacet.enough import chart
+from report import plotting
 
 SLIDES = (73, 74, 75)
 MODEL = (

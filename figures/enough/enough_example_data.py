@@ -6,11 +6,11 @@ from pathlib import Path
 import microfacet as mf
 import numpy as np
 from microfacet.confidence import ODDS
-from microfacet.datafile import rounded, store
 from microfacet.enough import cost
-from microfacet.enough.candidates import MASKINGS
+from microfacet.enough.candidates import maskings
 from microfacet.enough.choice import MEASURES, Comparison, choice
 from microfacet.enough.scene import Scene
+from report.datafile import rounded, store
 
 ALPHA, THETA, TOLERANCE = (0.05, 0.3), (0.0, 80.0), 1e-2
 RECORD = Path("records/benchmarks.json")
@@ -24,7 +24,7 @@ def compute() -> dict:
     example = made["picture"]
     data = example.data() | {"alpha": ALPHA, "theta": THETA, "timed": bool(np.isfinite(example.data()["cost"]).any())}
     data["failed"] = [row is example.failed for row in example.rows]
-    data["maskings"] = [MASKINGS[row.candidate.masking][0] for row in example.rows]
+    data["maskings"] = [maskings()[row.candidate.masking][0] for row in example.rows]
     data["samplers"] = list(cost.SAMPLERS.values())
     data["squares"] = [example.samplers[name][1] for name in cost.SAMPLERS]
     data["sampling"] = [example.samplers[name][0] for name in cost.SAMPLERS]

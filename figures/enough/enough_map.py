@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.colors import ListedColormap
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (73, 74, 75)
 MODEL = (

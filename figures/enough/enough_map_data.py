@@ -5,11 +5,11 @@ from pathlib import Path
 
 import microfacet as mf
 import numpy as np
-from microfacet.datafile import rounded, store
 from microfacet.enough import cost
-from microfacet.enough.candidates import MASKINGS, Candidate
+from microfacet.enough.candidates import Candidate, maskings
 from microfacet.enough.choice import MEASURES, Comparison, cheapest_first
 from microfacet.enough.scene import Scene
+from report.datafile import rounded, store
 
 ALPHA = np.geomspace(0.05, 1, 8)
 THETA = (0.0, 80.0)
@@ -37,7 +37,7 @@ def compute() -> dict:
         order = [one for one, _ in cheapest_first(Scene(ALPHA[0], THETA, normals=normals, fresnel=METAL), costs)]
         most, bound = errors(normals, order)
         data |= {
-            f"{normals}_maskings": np.array([MASKINGS[one.masking][0] for one in order]),
+            f"{normals}_maskings": np.array([maskings()[one.masking][0] for one in order]),
             f"{normals}_words": np.array([one.words for one in order]),
             f"{normals}_once": np.array([one.compensation == "none" for one in order]),
             f"{normals}_most": most,

@@ -10,7 +10,7 @@ tail than Beckmann.
 
 import sys
 
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (34,)
 

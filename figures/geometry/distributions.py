@@ -11,7 +11,7 @@ verdicts on the curves shown. Only a distribution's shape matters here, so no ma
 import sys
 
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (53, 54, 55)
 

@@ -10,7 +10,7 @@ here cut into 36 facets.
 import sys
 
 import numpy as np
-from microfacet import motion, plotting
+from report import motion, plotting
 
 SLIDES = (33,)
 CENTRE, RADIUS, GAP = np.array([0.5, 0.27]), 0.4, 0.019

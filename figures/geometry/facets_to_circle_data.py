@@ -3,8 +3,8 @@
 import sys
 
 import numpy as np
-from microfacet.datafile import store
-from microfacet.surface.profile import example, percentages
+from report.datafile import store
+from report.example import example, percentages
 
 
 def compute() -> dict:

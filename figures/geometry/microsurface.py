@@ -8,7 +8,7 @@ printed are measured on it.
 
 import sys
 
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (30, 31, 32)
 

@@ -2,8 +2,8 @@
 
 import sys
 
-from microfacet.datafile import store
-from microfacet.surface.profile import example
+from report.datafile import store
+from report.example import example
 
 
 def compute() -> dict:

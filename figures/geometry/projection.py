@@ -8,7 +8,7 @@ this polyline, add up to 1000. This is the first validation equation.
 import sys
 
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (35, 36)
 PLANE = -0.12

@@ -11,7 +11,7 @@ its error leaves the frame.
 import sys
 
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (47, 48)
 CURVES = ("outside", "inside", "metal_0", "metal_1")

@@ -3,8 +3,8 @@
 import sys
 
 import numpy as np
-from microfacet.datafile import rounded, store
 from microfacet.material.fresnel import Conductor, Dielectric, Schlick
+from report.datafile import rounded, store
 
 ETA = 1.5
 METALS = {"$1 + 6.7\\,i$": (1.0, 6.7), "$2.9 + 3\\,i$": (2.9, 3.0)}

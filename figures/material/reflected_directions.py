@@ -11,7 +11,7 @@ in the valley at the right, still counts here.
 import sys
 
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (44, 45, 46)
 MODEL = (

@@ -11,7 +11,7 @@ $G_2$.
 import sys
 
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (49, 50)
 MODEL = (

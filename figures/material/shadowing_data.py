@@ -3,8 +3,9 @@
 import sys
 
 import numpy as np
-from microfacet.datafile import store
-from microfacet.surface.profile import Pieces, direction, example, mirror, percentages
+from microfacet.surface.profile import Pieces, direction, mirror
+from report.datafile import store
+from report.example import example, percentages
 
 RAYS = 40
 

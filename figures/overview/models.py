@@ -10,7 +10,7 @@ import sys
 
 import numpy as np
 from matplotlib.patches import Ellipse
-from microfacet import plotting
+from report import plotting
 
 SLIDES = tuple(range(6, 13))
 GREY, VIEW = plotting.COLOURS["grey"], plotting.COLOURS["view"]

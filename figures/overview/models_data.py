@@ -4,8 +4,8 @@ import sys
 
 import microfacet as mf
 import numpy as np
-from microfacet.datafile import store
 from microfacet.validation.equations import validate
+from report.datafile import store
 
 ALPHA = 0.4
 EQUATIONS = ("projected_area", "visible_area", "visible_norm", "weak_furnace")

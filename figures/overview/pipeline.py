@@ -11,7 +11,7 @@ polylines of $\alpha = 0.4$ reflect into each angle.
 import sys
 
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 SLIDES = tuple(range(17, 30))
 MODEL = (

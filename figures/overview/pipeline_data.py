@@ -3,8 +3,9 @@
 import sys
 
 import numpy as np
-from microfacet.datafile import store
-from microfacet.surface.profile import Profile, angle, direction, example, mirror
+from microfacet.surface.profile import Profile, angle, direction, mirror
+from report.datafile import store
+from report.example import example
 
 THETA_O = np.radians(50.0)
 SURFACES = 1200

@@ -9,7 +9,7 @@ to fans. GGX's slopes have the heavier tail, which shows as a haze around every 
 import sys
 
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (3,)
 MODEL = (

@@ -4,7 +4,7 @@ import sys
 
 import microfacet as mf
 import numpy as np
-from microfacet.datafile import store
+from report.datafile import store
 
 SIZE, SAMPLES, EXPOSURE = 140, 96, 1.1
 ROUGHNESS = ((0.08, 0.08), (0.25, 0.25), (0.6, 0.6), (0.08, 0.5))

@@ -9,7 +9,7 @@ reflected under a white sky: variance times time of one over that of the other, 
 import sys
 
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (15,)
 MODEL = (

@@ -3,12 +3,13 @@
 import sys
 
 import numpy as np
-from method import uniform
-from microfacet.datafile import rounded, store
-from record import mark, read, seconds, summary
-from rivals_estimate import METHODS as ESTIMATE
-from rivals_estimate import SAMPLERS, variance
-from rivals_render import ALPHAS, METHODS, shading, sphere
+from report.datafile import rounded, store
+
+from benchmarks.method import uniform
+from benchmarks.record import mark, read, seconds, summary
+from benchmarks.rivals_estimate import METHODS as ESTIMATE
+from benchmarks.rivals_estimate import SAMPLERS, variance
+from benchmarks.rivals_render import ALPHAS, METHODS, shading, sphere
 
 NAMES = {"normals": "normals", "visible": "caps"}  # of the picture's methods, and what they sample with
 SIDE, SAMPLES, REFERENCE, RENDERS = 150, 16, 1024, 8  # pixels; samples of a pixel by visible normals, in the reference

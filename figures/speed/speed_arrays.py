@@ -10,7 +10,7 @@ import sys
 
 import matplotlib.ticker as ticker
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 SLIDES = ()
 PANELS = (

@@ -3,14 +3,15 @@
 import sys
 
 import numpy as np
-from microfacet.datafile import rounded, store
-from record import fronts, mark, read, rows, seconds, summary, told
-from rivals_brdf import METHODS as BRDF
-from rivals_fresnel import METHODS as FRESNEL
-from rivals_masking import METHODS as MASKING
-from rivals_normals import METHODS as NORMALS
-from rivals_sampling import METHODS as SAMPLING
-from yardsticks import known
+from report.datafile import rounded, store
+
+from benchmarks.record import fronts, mark, read, rows, seconds, summary, told
+from benchmarks.rivals_brdf import METHODS as BRDF
+from benchmarks.rivals_fresnel import METHODS as FRESNEL
+from benchmarks.rivals_masking import METHODS as MASKING
+from benchmarks.rivals_normals import METHODS as NORMALS
+from benchmarks.rivals_sampling import METHODS as SAMPLING
+from benchmarks.yardsticks import known
 
 SHOWN = {"masking": MASKING, "normals": NORMALS, "brdf": BRDF, "sampling": SAMPLING, "fresnel": FRESNEL}
 

@@ -8,7 +8,7 @@ which Arb encloses an integral. Numbers at the lines are fitted powers.
 import sys
 
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 SLIDES = ()
 PANELS = (("values",), ("surfaces", "rays"), ("digits",))

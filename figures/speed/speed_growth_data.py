@@ -3,9 +3,10 @@
 import sys
 
 import numpy as np
-from microfacet.datafile import rounded, store
-from record import mark, seconds, summary
-from rivals_growth import EXPECTED, METHODS, RAYS
+from report.datafile import rounded, store
+
+from benchmarks.record import mark, seconds, summary
+from benchmarks.rivals_growth import EXPECTED, METHODS, RAYS
 
 
 def power(sizes: np.ndarray, times: np.ndarray, first: int) -> tuple[float, float]:

@@ -10,7 +10,7 @@ the area; at more digits than can be drawn here it goes on falling.
 import sys
 
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 SLIDES = ()
 LOOKS = {

@@ -3,9 +3,10 @@
 import sys
 
 import numpy as np
-from microfacet.datafile import rounded, store
-from record import front, mark, seconds, summary
-from rivals_integral import METHODS as AREAS
+from report.datafile import rounded, store
+
+from benchmarks.record import front, mark, seconds, summary
+from benchmarks.rivals_integral import METHODS as AREAS
 
 ASKED = 1e-12
 

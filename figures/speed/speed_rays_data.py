@@ -3,11 +3,12 @@
 import sys
 
 import numpy as np
-from embree import OFFSETS
-from microfacet.datafile import rounded, store
-from record import mark, read, rows, seconds, summary
-from rivals_rays import METHODS, RAYS, SIDE, TASKS
-from yardsticks import GUESTS
+from report.datafile import rounded, store
+
+from benchmarks.embree import OFFSETS
+from benchmarks.record import mark, read, rows, seconds, summary
+from benchmarks.rivals_rays import METHODS, RAYS, SIDE, TASKS
+from benchmarks.yardsticks import GUESTS
 
 UNKNOWN = [float("nan")] * 3
 

@@ -3,9 +3,10 @@
 import sys
 
 import numpy as np
-from microfacet.datafile import rounded, store
-from record import fronts, mark, seconds, summary
-from rivals_estimate import METHODS, SAMPLERS, Sampler, variance
+from report.datafile import rounded, store
+
+from benchmarks.record import fronts, mark, seconds, summary
+from benchmarks.rivals_estimate import METHODS, SAMPLERS, Sampler, variance
 
 ALPHA, DEGREES = 0.5, np.array([0.0, 20.0, 40.0, 55.0, 67.0, 75.0, 81.0, 85.0])
 FLOOR = 1e-8  # nearer the difference quotients do not tell distances apart

@@ -9,7 +9,7 @@ root of the time. So the best plan is the dot with the ring, which no such line 
 import sys
 
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 SLIDES = ()
 LOOKS = (("sky", "o", ":"), ("view", "s", "--"), ("light", "D", "-"), ("lost", "^", "-."))

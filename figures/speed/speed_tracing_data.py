@@ -3,11 +3,12 @@
 import sys
 
 import numpy as np
-from microfacet.datafile import rounded, store
-from microfacet.surface.campaign import CAMPAIGN, THETA_O, read
 from microfacet.surface.measure import estimate
-from record import front, mark, seconds, summary
-from rivals_tracing import GRIDS, METHODS, SIDES, SURFACES, VIEW
+from report.campaign import CAMPAIGN, THETA_O, read
+from report.datafile import rounded, store
+
+from benchmarks.record import front, mark, seconds, summary
+from benchmarks.rivals_tracing import GRIDS, METHODS, SIDES, SURFACES, VIEW
 
 ENTRIES = ("lobes_07",)
 GOAL = 1e-3

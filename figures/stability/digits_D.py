@@ -9,7 +9,7 @@ cosine rounds to 1, and what it has lost is divided by $\alpha^2$. Hatched, numb
 import sys
 
 from maps import ANGLES, digit_map
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (55, 67)
 COLUMNS = ("textbook_float64", "textbook_float32", "library_float64", "library_float32")

@@ -4,10 +4,10 @@ import sys
 
 import numpy as np
 from faulty import beckmann_D_cosine, ggx_D_cosine
-from microfacet.datafile import rounded, store
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
-from microfacet.validation.trust import ALPHA, PRECISIONS, TANGENT, D, map_of
+from microfacet.validation.accuracy import ALPHA, PRECISIONS, TANGENT, D, map_of
+from report.datafile import rounded, store
 
 METHODS = {"ggx": (GGX, ggx_D_cosine), "beckmann": (Beckmann, beckmann_D_cosine)}
 FEW = 3  # digits, below which a value has failed

@@ -10,7 +10,7 @@ the precision.
 import sys
 
 from maps import ANGLES, digit_map
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (58, 62, 63)
 MAPS = {"ggx_root": "GGX, root", "ggx_library": "GGX, library", "beckmann_erf": "Beckmann, erf"}

@@ -4,10 +4,10 @@ import sys
 
 import numpy as np
 from faulty import beckmann_Lambda_erf, beckmann_Lambda_erfc, ggx_Lambda_difference, walter_Lambda
-from microfacet.datafile import rounded, store
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
-from microfacet.validation.trust import ALPHA, PRECISIONS, TANGENT, Lambda, digits, directions, exact_Lambda, map_of
+from microfacet.validation.accuracy import ALPHA, PRECISIONS, TANGENT, Lambda, digits, directions, exact_Lambda, map_of
+from report.datafile import rounded, store
 
 MAPS = {
     "ggx_root": (GGX, ggx_Lambda_difference),

@@ -10,7 +10,7 @@ library's walk has no offset.
 
 import sys
 
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (30, 51, 67)
 MODEL = (

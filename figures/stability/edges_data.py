@@ -6,14 +6,14 @@ import mpmath
 import numpy as np
 from faulty import distances, ggx_D_cosine, rho_floored, rho_squares_first
 from microfacet.brdf.specular import Microfacet
-from microfacet.datafile import rounded, store
 from microfacet.directions import spherical
 from microfacet.geometry.ggx import GGX
 from microfacet.statement import DIGITS
 from microfacet.surface.trace import ESCAPED, HeightField
-from microfacet.validation.trust import digits, exact_D, exact_Lambda
-from microfacet.validation.trust import rounded as as_seen
+from microfacet.validation.accuracy import digits, exact_D, exact_Lambda
+from microfacet.validation.accuracy import rounded as as_seen
 from microfacet.visibility.smith import Smith
+from report.datafile import rounded, store
 
 SINGLE = np.float32
 ROUGH = 0.3

@@ -9,7 +9,7 @@ right one whose cells were integrated by too few nodes; and a right one. Lines a
 
 import sys
 
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (35, 36, 42, 43)
 RULES = {

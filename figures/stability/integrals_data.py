@@ -4,12 +4,12 @@ import sys
 
 import numpy as np
 from faulty import adaptive, midpoint, to_a_bound, to_the_mirrored_bound, truncated, walter_G1
-from microfacet.datafile import rounded, store
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
 from microfacet.validation.equations import residual
 from microfacet.visibility.smith import Smith
+from report.datafile import rounded, store
 from scipy.special import erfc
 from scipy.stats import chi2, ncx2
 

@@ -1,7 +1,7 @@
 """Maps of right digits, which several figures draw."""
 
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 ANGLES = ["$10^{-8}$", "$10^{-4}$", r"$\pi/4$", r"$\pi/2 - 10^{-4}$", r"$\pi/2 - 10^{-8}$"]
 """Names of the polar angles whose tangents are 1e-8, 1e-4, 1, 1e4, 1e8."""

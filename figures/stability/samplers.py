@@ -10,7 +10,7 @@ view after so many of Newton's steps, as a share of what is seen; and that of a 
 import sys
 
 from maps import ANGLES, digit_map
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (41, 42, 43)
 COLUMNS = ("published_float64", "published_float32", "library_float64", "library_float32")

@@ -4,14 +4,14 @@ import sys
 
 import numpy as np
 from faulty import beckmann_newton, beckmann_turned, ggx_across, ggx_cap
-from microfacet.datafile import rounded, store
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
-from microfacet.validation.trust import ALPHA as ALPHAS
-from microfacet.validation.trust import TANGENT as TANGENTS
-from microfacet.validation.trust import directions, numbers_back
-from microfacet.validation.trust import rounded as as_seen
+from microfacet.validation.accuracy import ALPHA as ALPHAS
+from microfacet.validation.accuracy import TANGENT as TANGENTS
+from microfacet.validation.accuracy import directions, numbers_back
+from microfacet.validation.accuracy import rounded as as_seen
 from microfacet.visibility.smith import Smith
+from report.datafile import rounded, store
 from scipy.special import erfc
 
 ALPHA, TANGENT = ALPHAS[::2], TANGENTS[::2]

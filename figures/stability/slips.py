@@ -11,7 +11,7 @@ of the light, if nobody asks on which side the light is; beyond $90^\circ$ it is
 import sys
 
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (39, 51, 70, 71)
 MODEL = (

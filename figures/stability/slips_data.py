@@ -5,13 +5,13 @@ import sys
 import numpy as np
 from faulty import axes_swapped, frame_plain, frame_signed, one_roughness, rho_both_sides, skew
 from microfacet.brdf.specular import Microfacet
-from microfacet.datafile import rounded, store
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
 from microfacet.validation.chi_square import agreement, chance
 from microfacet.validation.equations import residual
 from microfacet.visibility.smith import Smith
+from report.datafile import rounded, store
 
 UP, SEED = np.array([0.0, 0.0, 1.0]), 5
 ROUGH, STRETCHED = GGX(0.3), GGX(0.6, 0.1)

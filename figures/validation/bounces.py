@@ -10,7 +10,7 @@ dots are moved apart a little so that all are seen.
 import sys
 
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (73, 74, 75)
 MODEL = (

@@ -5,13 +5,13 @@ import sys
 import numpy as np
 from microfacet.brdf.random_walk import RandomWalk
 from microfacet.brdf.specular import Microfacet
-from microfacet.datafile import rounded, store
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
-from microfacet.surface.campaign import CAMPAIGN, THETA_O, read
 from microfacet.surface.measure import estimate
 from microfacet.visibility.smith import Smith
 from microfacet.visibility.v_cavity import VCavity
+from report.campaign import CAMPAIGN, THETA_O, read
+from report.datafile import rounded, store
 
 ENTRIES = ("lobes_04", "lobes_07", "lobes_10")
 WALKS = 1 << 17  # from each view: their error is below that of the surfaces

@@ -9,7 +9,7 @@ errors to either side; below, what walks may be off at most.
 
 import sys
 
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (73, 74, 75)
 MODEL = (

@@ -6,15 +6,15 @@ import numpy as np
 from microfacet.brdf.compensation import FORMS, Compensated
 from microfacet.brdf.random_walk import RandomWalk
 from microfacet.brdf.specular import Microfacet
-from microfacet.datafile import rounded, store
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
 from microfacet.material.fresnel import Schlick
-from microfacet.surface.campaign import CAMPAIGN, THETA_O, read
 from microfacet.surface.compare import binned, coarse, folded, misplaced, walked
 from microfacet.surface.measure import estimate
 from microfacet.visibility.smith import Smith
+from report.campaign import CAMPAIGN, THETA_O, read
+from report.datafile import rounded, store
 
 ENTRIES = ("lobes_04", "lobes_07", "lobes_10")
 BINS = (3, 2)  # so many bins of polar angle and of azimuth are one here

@@ -9,7 +9,7 @@ sends it (below), over the hemisphere of directions seen from above.
 import sys
 
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (59,)
 MODEL = (

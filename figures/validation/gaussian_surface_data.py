@@ -3,14 +3,14 @@
 import sys
 
 import numpy as np
-from microfacet.datafile import rounded, store
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
-from microfacet.surface.campaign import CAMPAIGN, THETA_O, read
 from microfacet.surface.compare import coarse, folded, lobe_of
 from microfacet.surface.gaussian import GaussianField
 from microfacet.surface.trace import ESCAPED, HeightField
 from microfacet.visibility.smith import Smith
+from report.campaign import CAMPAIGN, THETA_O, read
+from report.datafile import rounded, store
 
 ENTRIES = ("lobes_07",)
 DEGREES = 60.0

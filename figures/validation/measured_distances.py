@@ -7,7 +7,7 @@ errors over surfaces, to either side; dots are moved apart a little so that all 
 
 import sys
 
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (60,)
 MODEL = (

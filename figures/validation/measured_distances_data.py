@@ -7,11 +7,11 @@ import sys
 
 import numpy as np
 from microfacet.brdf.specular import Microfacet
-from microfacet.datafile import rounded, store
 from microfacet.geometry.beckmann import Beckmann
-from microfacet.surface.campaign import CAMPAIGN, GABOR_THETA_O, STRETCHED_VIEWS, THETA_O, read
 from microfacet.surface.compare import apart, coarse, folded, lobe_of, models, noise
 from microfacet.surface.measure import estimate
+from report.campaign import CAMPAIGN, GABOR_THETA_O, STRETCHED_VIEWS, THETA_O, read
+from report.datafile import rounded, store
 
 ENTRIES = ("lobes_04", "lobes_07", "lobes_10", "stretched", "gabor_07")
 BINS = (3, 2)  # so many bins of polar angle and of azimuth are one here

@@ -11,7 +11,7 @@ over surfaces, and the total variation that noise alone would show.
 import sys
 
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (60,)
 MODEL = (

@@ -10,7 +10,7 @@ conserves the area that is seen; so do the surfaces.
 import sys
 
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (37, 38, 40)
 MODEL = (

@@ -9,7 +9,7 @@ normal alone, so that these are also the distances between distributions of refl
 
 import sys
 
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (41, 42, 44, 45)
 MODEL = (

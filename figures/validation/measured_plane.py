@@ -9,7 +9,7 @@ Models and measurement are means over the same bins, of $6^\circ$ by $15^\circ$.
 import sys
 
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (60,)
 MODEL = (

@@ -3,13 +3,13 @@
 import sys
 
 import numpy as np
-from microfacet.datafile import rounded, store
 from microfacet.geometry.beckmann import Beckmann
-from microfacet.surface.campaign import CAMPAIGN, THETA_O, read
 from microfacet.surface.compare import coarse, folded, in_plane, lobe_of
 from microfacet.surface.measure import estimate
 from microfacet.visibility.smith import Smith
 from microfacet.visibility.v_cavity import VCavity
+from report.campaign import CAMPAIGN, THETA_O, read
+from report.datafile import rounded, store
 
 ENTRIES = ("lobes_04", "lobes_07", "lobes_10")
 DEGREES = (40.0, 60.0, 80.0)

@@ -10,7 +10,7 @@ V-cavities it depends on the facet, and the mean is drawn.
 import sys
 
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (49, 50)
 MODEL = (

@@ -10,7 +10,7 @@ there, in thousandths, add up to $\cos\theta_o$ again. This is the second valida
 import sys
 
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (37, 38, 39)
 BLUES = (plotting.COLOURS["view"], plotting.COLOURS["sky"])

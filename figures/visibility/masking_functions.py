@@ -11,7 +11,7 @@ in the legend are verdicts over both distributions.
 import sys
 
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (56, 57, 58)
 

@@ -3,12 +3,12 @@
 import sys
 
 import numpy as np
-from microfacet.datafile import rounded, store
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
-from microfacet.validation.equations import TOLERANCE, residual
-from microfacet.validation.tables import MASKINGS, decide
+from microfacet.validation.equations import TOLERANCE, decide, residual
+from report.datafile import rounded, store
+from report.tables import maskings
 
 DISTRIBUTIONS = (Beckmann(0.4), GGX(1.0))
 FLOOR = 1e-11  # above the quadrature's error for every curve here
@@ -18,16 +18,17 @@ def compute() -> dict:
     theta = np.append(np.linspace(0, 89, 90), 89.5)
     views = spherical(np.radians(theta))
     share, apart, verdict = [], [], []
+    functions = maskings()
     for ndf in DISTRIBUTIONS:
-        for make, _ in MASKINGS.values():
+        for make, _ in functions.values():
             values, bounds = residual(make(ndf), "visible_area", views)
             share.append(1 + values)
             apart.append(np.where(np.abs(values) > FLOOR, np.abs(values), FLOOR))
             verdict.append(decide(values, bounds, TOLERANCE))
-    shape = (len(DISTRIBUTIONS), len(MASKINGS))
+    shape = (len(DISTRIBUTIONS), len(functions))
     curves = {name: np.reshape(found, (*shape, -1)) for name, found in (("share", share), ("apart", apart))}
     passing = np.reshape(verdict, shape)
-    return rounded({"theta": theta, "floor": FLOOR, **curves, "names": list(MASKINGS), "verdict": passing})
+    return rounded({"theta": theta, "floor": FLOOR, **curves, "names": list(functions), "verdict": passing})
 
 
 if __name__ == "__main__":

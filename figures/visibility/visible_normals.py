@@ -10,7 +10,7 @@ Both rows of percentages add up to 100, which for the second row is the third va
 import sys
 
 import numpy as np
-from microfacet import plotting
+from report import plotting
 
 SLIDES = (41, 42, 43)
 

@@ -3,8 +3,9 @@
 import sys
 
 import numpy as np
-from microfacet.datafile import store
-from microfacet.surface.profile import direction, example, percentages
+from microfacet.surface.profile import direction
+from report.datafile import store
+from report.example import example, percentages
 
 
 def compute() -> dict:

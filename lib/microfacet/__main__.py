@@ -68,7 +68,7 @@ def _add_choose(commands: Any) -> None:
     choose.add_argument("--bounces", help="all (default), or one if light that bounces again does not matter")
     choose.add_argument("--precision", help="single, double or either (default)")
     choose.add_argument("--chart", metavar="FILE", help="draw cost against error here, as .svg, .pdf or .png")
-    choose.add_argument("--time", action="store_true", help="time the candidates now, whatever is on record")
+    choose.add_argument("--costs", metavar="FILE", help="take costs from this record of benchmarks (default: time them now)")
 
 
 def _choose(asked: argparse.Namespace) -> int:
@@ -82,7 +82,7 @@ def _choose(asked: argparse.Namespace) -> int:
     scene = {name: _range(name, getattr(asked, name)) for name in ("alpha", "theta", "ratio", "light")}
     more = {name: getattr(asked, name) for name in ("normals", "bounces", "precision")}
     given = {name: value for name, value in (scene | more | {"fresnel": _fresnel(asked.fresnel)}).items() if value is not None}
-    choice = choose(**given, tolerance=asked.tolerance, measure=asked.measure, costs="now" if asked.time else None)
+    choice = choose(**given, tolerance=asked.tolerance, measure=asked.measure, costs=_costs(asked.costs))
     print(f"{choice.told()}\n\n{choice.table()}")
     if asked.chart is not None:
         choice.chart(asked.chart)
@@ -112,6 +112,15 @@ def _fresnel(words: str | None) -> Any:
     if len(numbers) not in (1, 2):
         raise ValueError(f"fresnel must be an index such as 1.5, or 0.2,3.9 for a conductor, got {words!r}")
     return Dielectric(*numbers) if len(numbers) == 1 else Conductor(*numbers)
+
+
+def _costs(file: str | None) -> Any:
+    """Of a record, or none."""
+    from microfacet.enough.cost import recorded
+
+    if file is not None and not Path(file).is_file():
+        raise ValueError(f"costs must be a record of benchmarks, and there is no file {file}")
+    return None if file is None else recorded(Path(file))
 
 
 def main(words: Sequence[str] | None = None) -> int:

@@ -10,6 +10,8 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
+labelled: dict[tuple[str, str], type[Model]] = {}  # by module and name, so that a class that is made again replaces itself
+
 
 class Model:
     """A value made by a class from arguments, which the class keeps as they were given.
@@ -22,12 +24,16 @@ class Model:
 
     _given: tuple[tuple[Any, ...], dict[str, Any]]
     __signature__: ClassVar[inspect.Signature]
+    label: ClassVar[str]  # the name of a family in tables, and `cite` its source; see `families`
+    cite: ClassVar[str] = ""
 
     def __init_subclass__(cls) -> None:
-        """What `help` shows: the arguments of the constructor, which `__new__` would hide."""
+        """A class with a label of its own is a family; help shows the constructor's arguments, which `__new__` would hide."""
         super().__init_subclass__()
         made: Any = cls
-        cls.__signature__ = _signature(made)
+        cls.__signature__ = signature(made)
+        if "label" in vars(cls):
+            labelled[cls.__module__, cls.__qualname__] = cls
 
     def __new__(cls, *args: Any, **kwargs: Any) -> Self:
         made = super().__new__(cls)
@@ -61,7 +67,7 @@ def _own(given: Any) -> Any:
 
 
 @cache
-def _signature(cls: Any) -> inspect.Signature:
+def signature(cls: Any) -> inspect.Signature:
     """Of its constructor, without self."""
     whole = inspect.signature(cls.__init__)
     return whole.replace(parameters=list(whole.parameters.values())[1:])
@@ -71,7 +77,7 @@ def arguments(model: Model) -> inspect.BoundArguments:
     """The arguments of its class by name, as the model has them now or else as they were given."""
     args, kwargs = model._given
     cls: Any = type(model)
-    bound = _signature(cls).bind(*args, **kwargs)
+    bound = signature(cls).bind(*args, **kwargs)
     bound.apply_defaults()
     for name, value in bound.arguments.items():
         bound.arguments[name] = vars(model).get(name, value)

@@ -107,6 +107,7 @@ class Equation:
     def __post_init__(self) -> None:
         frame = sys._getframe(2)  # who wrote Equation(...): one frame above the generated __init__
         object.__setattr__(self, "stated_at", f"{frame.f_globals['__name__']}, line {frame.f_lineno}")
+        _refuse_unread(frame.f_globals["__name__"], self.key)
         if self.key in _registry:
             raise ValueError(f"equation {self.key} is stated twice")
         if self.means is None and self.equals is None:
@@ -398,8 +399,33 @@ _registry: dict[str, Equation] = {}
 _abbreviations: dict[Any, Equation] = {}
 
 
+FOLDERS = ("geometry", "visibility", "material", "brdf", "validation")  # of the library, that hold statements
+STAGES = (*FOLDERS[:-1], "anisotropy", FOLDERS[-1])  # of the talk, the first words of keys; those of others come after
+
+
+@cache
+def load() -> None:
+    """Import every module that may hold statements."""
+    for folder in FOLDERS:
+        package = importlib.import_module(f"microfacet.{folder}")
+        for module in pkgutil.iter_modules(package.__path__):
+            importlib.import_module(f"{package.__name__}.{module.name}")
+
+
+def _refuse_unread(module: str, key: str) -> None:
+    """ValueError for a statement in a folder that `load` passes over: it would be there or not, as other imports have it."""
+    library, folder, *rest = [*module.split("."), "", ""]
+    if library == "microfacet" and rest[0] and folder not in FOLDERS:
+        raise ValueError(f"equation {key} stands in {folder}/, where none is looked for, but in {', '.join(FOLDERS)}")
+
+
+def _place(key: str) -> tuple[int, str]:
+    stage = key.partition(".")[0]
+    return (STAGES.index(stage), "") if stage in STAGES else (len(STAGES), stage)
+
+
 class Equations(Mapping[str, Equation]):
-    """All statements of the library, a mapping from their keys to `Equation`, in the order of the talk.
+    """All statements of the library, a mapping from their keys to `Equation`, in the order of the talk, then by name.
 
     ``mf.equations`` is the one object of this class.
 
@@ -410,14 +436,8 @@ class Equations(Mapping[str, Equation]):
     "Smith's Lambda for GGX"
     """
 
-    STAGES = ("geometry", "visibility", "material", "brdf", "anisotropy", "validation")
-
     def _load(self) -> dict[str, Equation]:
-        package = importlib.import_module("microfacet")
-        for stage in ("geometry", "visibility", "material", "brdf", "validation"):
-            stage_package = importlib.import_module(f"microfacet.{stage}")
-            for module in pkgutil.iter_modules(stage_package.__path__):
-                importlib.import_module(f"{package.__name__}.{stage}.{module.name}")
+        load()
         return _registry
 
     def __getitem__(self, key: str) -> Equation:
@@ -432,7 +452,7 @@ class Equations(Mapping[str, Equation]):
         return found[key]
 
     def __iter__(self) -> Iterator[str]:
-        return iter(sorted(self._load(), key=lambda key: self.STAGES.index(key.split(".")[0])))
+        return iter(sorted(self._load(), key=_place))
 
     def __len__(self) -> int:
         return len(self._load())
@@ -492,7 +512,7 @@ def _content(thing: Any, seen: set[int]) -> list[str]:
     if isinstance(thing, sp.Basic):
         called = [_abbreviations[f.func] for f in thing.atoms(AppliedUndef) if f.func in _abbreviations]
         return [_representation(thing), *(line for e in sorted(called, key=lambda e: e.key) for line in _content(e, seen))]
-    return [repr(thing)] if isinstance(thing, int | float | str) else []
+    return [repr(thing) if isinstance(thing, int | float | str) else repr(getattr(thing, "_fields", ""))]  # of a named tuple
 
 
 @cache

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from microfacet.confidence import ODDS, RARE, mean_bound, student
 from microfacet.enough import lobes
-from microfacet.enough.candidates import MASKINGS
+from microfacet.enough.candidates import maskings
 from microfacet.enough.lobes import COLUMNS, ROWS, SIDE, Reference, Ruled, bins, lobe_of, nodes, ruled, surface, walked
 from microfacet.enough.scene import Point, Scene
 from samples import uniform
@@ -52,12 +52,12 @@ VIEWS = [(0, 0), (30, 0), (80, 90), (89, 45)]
 
 @pytest.mark.slow
 @pytest.mark.parametrize("fresnel", [None, METAL, GLASS], ids=["mirror", "metal", "glass"])
-@pytest.mark.parametrize("masking", MASKINGS)
+@pytest.mark.parametrize("masking", maskings())
 def test_rules_are_as_near_as_they_say(masking: str, fresnel: Any) -> None:
     """Against the albedo by another rule."""
     for kind in (mf.GGX, mf.Beckmann):
         for alpha in PLACES:
-            brdf = mf.Microfacet(MASKINGS[masking][1](kind(*alpha)), fresnel)
+            brdf = mf.Microfacet(maskings()[masking][1](kind(*alpha)), fresnel)
             for view in VIEWS:
                 point = Point(*alpha, *view)
                 found = ruled(brdf.evaluate, Scene(max(alpha), fresnel=fresnel), point)

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from microfacet.datafile import store
-from microfacet.surface.campaign import CAMPAIGN
 from microfacet.surface.measure import shard
+from report.campaign import CAMPAIGN
+from report.datafile import store
 
 FIGURES = Path(__file__).parents[2] / "figures"
 Compute = Callable[[str], dict[str, Any]]

@@ -9,7 +9,7 @@ import microfacet as mf
 import numpy as np
 import pytest
 from microfacet.directions import spherical
-from microfacet.surface.campaign import THETA_O, read
+from report.campaign import THETA_O, read
 
 Compute = Callable[[str], dict[str, Any]]
 

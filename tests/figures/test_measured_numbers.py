@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from microfacet.surface.campaign import CAMPAIGN, THETA_O, read
 from numpy.typing import NDArray
+from report.campaign import CAMPAIGN, THETA_O, read
 from scipy.special import erf
 
 Array = NDArray[np.float64]

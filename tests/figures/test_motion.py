@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from microfacet import motion, plotting
+from report import motion, plotting
 
 Compute = Callable[[str], dict[str, Any]]
 FIGURES = Path(__file__).parents[2] / "figures"

@@ -13,7 +13,7 @@ from typing import Any
 
 import inventory
 import pytest
-from microfacet import datafile, plotting
+from report import datafile, plotting
 
 pytestmark = pytest.mark.slow  # the data of all figures are computed here
 

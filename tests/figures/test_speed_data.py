@@ -10,14 +10,15 @@ from typing import Any
 import equal_time_data
 import numpy as np
 import pytest
-import record
 import speed_arrays_data
 import speed_growth_data
 import speed_integrals_data
 import speed_rays_data
 import speed_samplers_data
 import speed_tracing_data
-from method import Method
+
+from benchmarks import record
+from benchmarks.method import Method
 
 Write = Callable[..., None]
 
@@ -131,7 +132,7 @@ def test_a_fit_has_the_standard_error_of_its_slope() -> None:
 
 
 def test_growth_is_charted_with_what_is_expected(monkeypatch: pytest.MonkeyPatch, write: Write) -> None:
-    from rivals_growth import Expected
+    from benchmarks.rivals_growth import Expected
 
     one = method(lambda n: 0.0, sizes=(10, 100, 1000, 10000))
     monkeypatch.setattr(speed_growth_data, "METHODS", {"one": one})
@@ -319,7 +320,7 @@ def test_tracing_finds_the_least_effort(monkeypatch: pytest.MonkeyPatch, write: 
 
 def test_tracing_quotes_the_campaign(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its surfaces, rays and grid, and the relative error of a ratio of sums, by another jackknife."""
-    from microfacet.surface.campaign import CAMPAIGN, THETA_O, read
+    from report.campaign import CAMPAIGN, THETA_O, read
 
     found, entry = speed_tracing_data.campaign(), CAMPAIGN["lobes_07"]
     kept = read("lobes_07")

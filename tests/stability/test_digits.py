@@ -6,16 +6,16 @@ import faulty
 import microfacet as mf
 import numpy as np
 import pytest
-from microfacet.validation import trust
+from microfacet.validation import accuracy
 
 SINGLE, DOUBLE = np.float32, np.float64
 
 
 def digits(method, quantity: str, ndf: mf.GGX, tangent: float, real: type) -> float:
     """Right digits at one angle; NaN where the precision cannot hold the value."""
-    views = trust.directions(real, np.array([tangent]))
-    exact = trust.QUANTITIES[quantity][1](type(ndf)(trust.rounded(ndf.alpha_x, real)), views[0])
-    return float(trust.digits(method(ndf, views), [exact], real)[0])
+    views = accuracy.directions(real, np.array([tangent]))
+    exact = accuracy.QUANTITIES[quantity][1](type(ndf)(accuracy.rounded(ndf.alpha_x, real)), views[0])
+    return float(accuracy.digits(method(ndf, views), [exact], real)[0])
 
 
 @pytest.mark.parametrize(
@@ -35,7 +35,7 @@ def digits(method, quantity: str, ndf: mf.GGX, tangent: float, real: type) -> fl
 def test_a_printed_form_fails_where_the_library_does_not(method, quantity, ndf, tangent, real, least) -> None:
     with np.errstate(all="ignore"):
         assert digits(method, quantity, ndf, tangent, real) < 3
-    assert digits(trust.QUANTITIES[quantity][0], quantity, ndf, tangent, real) > least
+    assert digits(accuracy.QUANTITIES[quantity][0], quantity, ndf, tangent, real) > least
 
 
 @pytest.mark.parametrize(("method", "quantity", "kind"), [
@@ -48,21 +48,21 @@ def test_a_printed_form_fails_where_the_library_does_not(method, quantity, ndf, 
 @pytest.mark.parametrize("real", [SINGLE, DOUBLE])
 def test_where_nothing_cancels_the_printed_form_is_right(method, quantity, kind, real) -> None:
     """The exhibits are the equations, and not something else."""
-    assert digits(method, quantity, kind(0.8), 1.5, real) > 0.75 * trust.MOST[real]
+    assert digits(method, quantity, kind(0.8), 1.5, real) > 0.75 * accuracy.MOST[real]
 
 
 @pytest.mark.parametrize("real", [SINGLE, DOUBLE])
 @pytest.mark.parametrize("kind", [mf.GGX, mf.Beckmann])
 def test_digits_of_the_library_over_the_whole_map(kind: type, real: type) -> None:
     """Of Beckmann's Lambda as many digits are lost as 2 a^2 has, where a^2 is at most 700 (in single, 90)."""
-    assert np.nanmin(trust.map_of(trust.D, "D", kind, real)) > trust.MOST[real] - 1.3
+    assert np.nanmin(accuracy.map_of(accuracy.D, "D", kind, real)) > accuracy.MOST[real] - 1.3
     lost = 4 if kind is mf.Beckmann else 1.3
-    assert np.nanmin(trust.map_of(trust.Lambda, "Lambda", kind, real)) > trust.MOST[real] - lost
+    assert np.nanmin(accuracy.map_of(accuracy.Lambda, "Lambda", kind, real)) > accuracy.MOST[real] - lost
 
 
 def test_digits_are_counted_from_the_binary_value() -> None:
     third = mf.equations["visibility.smith.G1"].exact(1.0, 2.0)
-    assert trust.digits(np.array([1 / 3]), [third], DOUBLE)[0] > 15.9
-    assert trust.digits(np.array([0.333]), [third], DOUBLE)[0] == pytest.approx(3, abs=1e-3)
-    assert trust.digits(np.array([np.nan]), [third], DOUBLE)[0] == 0
-    assert np.isnan(trust.digits(np.array([0.0]), [third * 0 + 1e-320], DOUBLE)[0])
+    assert accuracy.digits(np.array([1 / 3]), [third], DOUBLE)[0] > 15.9
+    assert accuracy.digits(np.array([0.333]), [third], DOUBLE)[0] == pytest.approx(3, abs=1e-3)
+    assert accuracy.digits(np.array([np.nan]), [third], DOUBLE)[0] == 0
+    assert np.isnan(accuracy.digits(np.array([0.0]), [third * 0 + 1e-320], DOUBLE)[0])

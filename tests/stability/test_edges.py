@@ -10,7 +10,7 @@ import microfacet as mf
 import numpy as np
 import pytest
 from microfacet.directions import half_vector, spherical
-from microfacet.validation import trust
+from microfacet.validation import accuracy
 
 SCRIPT = runpy.run_path(str(Path(faulty.__file__).with_name("edges_data.py")))
 COSINES = (1e-2, 1e-8, 1e-12, 1e-18)
@@ -25,11 +25,11 @@ def facing(cosine: float, real: type) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("real", [np.float32, np.float64])
 def test_both_cosines_next_to_zero(ndf: mf.GGX, real: type) -> None:
     """Mirrored at the horizon all digits of the BRDF are right, as long as the cosines squared are numbers."""
-    brdf, seen = mf.Microfacet(mf.Smith(ndf)), type(ndf)(trust.rounded(ndf.alpha_x, real))
+    brdf, seen = mf.Microfacet(mf.Smith(ndf)), type(ndf)(accuracy.rounded(ndf.alpha_x, real))
     for cosine in COSINES:
         wo, wi = facing(cosine, real)
         exact = SCRIPT["exact_rho"](seen, wo, wi)
-        assert trust.digits(np.array([brdf.evaluate(wo, wi)]), [exact], real)[0] > trust.MOST[real] - 1
+        assert accuracy.digits(np.array([brdf.evaluate(wo, wi)]), [exact], real)[0] > accuracy.MOST[real] - 1
 
 
 def test_squares_first_divide_zero_by_zero() -> None:
@@ -45,7 +45,7 @@ def test_squares_first_divide_zero_by_zero() -> None:
 @pytest.mark.parametrize("real", [np.float32, np.float64])
 def test_nothing_is_nan(kind: type, alpha: tuple[float, float], real: type) -> None:
     """Roughness from 1e-8 to 1e3, ratios to 1e4, from the pole to 1e-8 above the horizon, opposite directions too."""
-    brdf, views = mf.Microfacet(mf.Smith(kind(*alpha))), trust.directions(real)[::4]
+    brdf, views = mf.Microfacet(mf.Smith(kind(*alpha))), accuracy.directions(real)[::4]
     wo, wi = views[:, None], np.concatenate([views, views * np.array([-1, -1, 1], real), -views])[None]
     for values in (brdf.evaluate(wo, wi), brdf.pdf(wo, wi), brdf.model.G1(wo, views), brdf.model.D_visible(wo, views)):
         assert not np.isnan(values).any()

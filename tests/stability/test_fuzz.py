@@ -214,13 +214,13 @@ GRAZING = [
 @pytest.mark.parametrize("kind", [mf.GGX, mf.Beckmann])
 @pytest.mark.parametrize(("real", "alpha", "wo", "wi"), GRAZING)
 def test_forward_grazing_pairs_have_all_digits(kind: type, real: type, alpha: float, wo: Any, wi: Any) -> None:
-    from microfacet.validation import trust
+    from microfacet.validation import accuracy
 
-    wo, wi, ndf = np.array(wo, real), np.array(wi, real), kind(trust.rounded(alpha, real))
+    wo, wi, ndf = np.array(wo, real), np.array(wi, real), kind(accuracy.rounded(alpha, real))
     brdf = mf.Microfacet(mf.Smith(kind(alpha)))
     with mpmath.workdps(50):
-        exact = [trust.exact_rho(ndf, wo, wi), trust.exact_pdf(ndf, wo, wi)]
-    assert trust.digits(np.array([brdf.evaluate(wo, wi), brdf.pdf(wo, wi)]), exact, real).min() > trust.MOST[real] - 2.5
+        exact = [accuracy.exact_rho(ndf, wo, wi), accuracy.exact_pdf(ndf, wo, wi)]
+    assert accuracy.digits(np.array([brdf.evaluate(wo, wi), brdf.pdf(wo, wi)]), exact, real).min() > accuracy.MOST[real] - 2.5
 
 
 @pytest.mark.parametrize("real", REALS)

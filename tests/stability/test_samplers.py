@@ -7,7 +7,7 @@ import microfacet as mf
 import numpy as np
 import pytest
 from microfacet.directions import spherical
-from microfacet.validation import trust
+from microfacet.validation import accuracy
 from samples import LAST, LAST_SINGLE, UP, uniform
 
 EDGES = {np.float64: (0.0, 1e-300, 1e-12, 0.5, LAST), np.float32: (0.0, 1e-38, 1e-7, 0.5, LAST_SINGLE)}
@@ -68,13 +68,13 @@ def test_newtons_steps_have_a_floor() -> None:
 @pytest.mark.parametrize("real", [np.float64, np.float32])
 def test_normals_give_their_numbers_back(kind: type, real: type) -> None:
     """From 1e-8 beside the pole to 1e-8 above the horizon: a wrong azimuth shows as well as a wrong height."""
-    views, numbers = trust.directions(real, trust.TANGENT[::4]), np.array([(0.3, 0.01), (0.9, 0.99)], real)
+    views, numbers = accuracy.directions(real, accuracy.TANGENT[::4]), np.array([(0.3, 0.01), (0.9, 0.99)], real)
     for alpha in ((1e-8, 1e-8), (1e-4, 1.0), (0.1, 0.1), (1e3, 0.1)):
-        ndf = kind(*(trust.rounded(one, real) for one in alpha))
+        ndf = kind(*(accuracy.rounded(one, real) for one in alpha))
         normals = mf.Smith(ndf).sample_visible(views[:, None], numbers)
         for wo, row in zip(views, normals, strict=True):
-            back = [trust.numbers_back(ndf, wo, u, m) for u, m in zip(numbers, row, strict=True)]
-            assert min(back) > trust.MOST[real] - 2.5, (alpha, wo)
+            back = [accuracy.numbers_back(ndf, wo, u, m) for u, m in zip(numbers, row, strict=True)]
+            assert min(back) > accuracy.MOST[real] - 2.5, (alpha, wo)
 
 
 @pytest.mark.parametrize("kind", [mf.GGX, mf.Beckmann])
@@ -83,6 +83,6 @@ def test_a_number_is_as_far_off_as_it_is_from_the_nearer_end(kind: type) -> None
     ndf, wo = kind(0.4), spherical(0.7, 0.3)
     for u2, off in ((1e-5, 1e-8), (0.3, 3e-4), (1 - 1e-5, -1e-8)):  # a thousandth of what is less
         m = mf.Smith(ndf).sample_visible(wo, [0.3, u2 + off])
-        assert trust.numbers_back(ndf, wo, np.array([0.3, u2]), m) == pytest.approx(3, abs=0.02)
+        assert accuracy.numbers_back(ndf, wo, np.array([0.3, u2]), m) == pytest.approx(3, abs=0.02)
     m = mf.Smith(ndf).sample_visible(wo, [0.3 + 1e-4, 0.3])
-    assert trust.numbers_back(ndf, wo, np.array([0.3, 0.3]), m) == pytest.approx(4, abs=0.02)
+    assert accuracy.numbers_back(ndf, wo, np.array([0.3, 0.3]), m) == pytest.approx(4, abs=0.02)

@@ -5,15 +5,28 @@ from __future__ import annotations
 import microfacet as mf
 import numpy as np
 from microfacet.directions import spherical
+from microfacet.families import families
+from microfacet.geometry.slopes import Distribution, Stretched
 
 UP = np.array([0.0, 0.0, 1.0])
 LAST = 1 - 2.0**-53  # the largest double below 1
 LAST_SINGLE = np.float32(1 - 2.0**-24)
 
-ISOTROPIC = [mf.GGX(0.4), mf.Beckmann(0.4), mf.NormalizedBlinnPhong(8.0)]
-ANISOTROPIC = [mf.GGX(0.5, 0.2), mf.Beckmann(0.2, 0.5)]
+FAMILIES = families(Distribution)
+STRETCHED = tuple(kind for kind in FAMILIES if issubclass(kind, Stretched))
+POWERS = tuple(kind for kind in FAMILIES if issubclass(kind, mf.BlinnPhong))
+
+
+def is_normalised(kind: type[Distribution]) -> bool:
+    """Whether its facets project to the surface, as it states; a family that states nothing has to."""
+    stated = kind.statements.get("projected_area")
+    return stated is None or stated.equals == 1
+
+
+ISOTROPIC = [kind(8.0) if kind in POWERS else kind(0.4) for kind in FAMILIES if is_normalised(kind)]
+TURNED = [(0.2, 0.5), (0.5, 0.2)]
+ANISOTROPIC = [kind(*TURNED[k % 2]) for k, kind in enumerate(filter(is_normalised, STRETCHED))]
 NORMALISED = ISOTROPIC + ANISOTROPIC
-STRETCHED = (mf.GGX, mf.Beckmann, mf.Ward)
 
 
 def uniform(count: int, seed: int = 0, real: type = np.float64) -> np.ndarray:

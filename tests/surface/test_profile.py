@@ -14,10 +14,9 @@ from microfacet.surface.profile import (
     Profile,
     angle,
     direction,
-    example,
     mirror,
-    percentages,
 )
+from report.example import example
 
 TILT = np.radians([-89.9, -75, -60, -30, -1, 0, 1e-9, 12, 45, 60, 80, 89.9])
 PROFILES = [
@@ -165,17 +164,6 @@ def test_hand_made_cavity() -> None:
     np.testing.assert_allclose(cavity.visible(direction(-np.arctan(3.0))).fraction, [0, 0.5], atol=1e-15)
 
 
-@given(st.lists(st.floats(0, 1e6), min_size=1, max_size=40).filter(lambda row: sum(row) > 1e-6))
-def test_percentages_add_up_to_100(shares: list[float]) -> None:
-    whole = percentages(shares)
-    assert whole.sum() == 100
-    assert np.all(np.abs(whole - 100 * np.array(shares) / np.sum(shares)) < 1 + 1e-6)
-
-
-def test_whole_percentages_stay() -> None:
-    np.testing.assert_array_equal(percentages(np.array([0.07, 0.29, 0.0, 0.64])), [7, 29, 0, 64])
-
-
 @pytest.mark.parametrize(
     ("wo", "says"),
     [
@@ -224,8 +212,6 @@ def test_other_bad_input_is_named() -> None:
         ),
         (lambda: profile.escaping(bad), "wi must be finite.*nan"),
         (lambda: direction(np.inf), "theta must be a finite angle in radians, got inf"),
-        (lambda: percentages([0.5, -0.1]), "shares must be .*-0.1"),
-        (lambda: percentages([0.0]), "shares must be .*0"),
     ):
         with pytest.raises(ValueError, match=says):
             call()

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from microfacet.directions import spherical
 from microfacet.surface import measure
-from microfacet.surface.campaign import CAMPAIGN
 from microfacet.surface.compare import in_plane
 from microfacet.surface.gaussian import GaussianField
 from microfacet.surface.measure import Measurement, Plan
 from microfacet.surface.trace import HeightField
+from report.campaign import CAMPAIGN
 
 SIZE, RISE, SIDE = 64, 0.2, 256
 ALPHA = np.array([0.5, 0.3])

@@ -11,7 +11,6 @@ from microfacet.directions import spherical
 from microfacet.statement import equations
 from microfacet.validation import enclosure
 from microfacet.validation.equations import residual
-from microfacet.validation.tables import table_of_distributions, table_of_masking
 
 pytest.importorskip("flint")
 KEYS = [key for key in equations if equations[key].enclosed]
@@ -134,20 +133,6 @@ def test_exact_cases():
         assert equations[f"validation.table2.{key}"].equals.doit().subs(enclosure.mu_o, 1) == 0
 
 
-def test_quantifiers_are_read_off_the_closed_forms(monkeypatch):
-    """Not typed: another zero is another word, and a form without one has none."""
-    said = {name: q.brief for name, q in enclosure.quantifiers().items()}
-    assert said["Blinn-Phong"] == r"every $n$ but $2 \pi - 2$"
-    assert said["Implicit"] == said["Schlick-Smith"] == r"every view but $0^\circ$"
-    n, mu = enclosure.n, enclosure.mu_o
-    monkeypatch.setitem(enclosure.phong.__dict__, "equals", (5 - n) / (n + 2))
-    assert enclosure.quantifiers()["Blinn-Phong"].brief == "every $n$ but $5$"
-    for wrong in (1 + mu, 0 * mu):
-        monkeypatch.setitem(enclosure.implicit_ggx.__dict__, "equals", wrong)
-        with pytest.raises(ValueError, match="does not vanish at mu_o = 1 alone"):
-            enclosure.quantifiers()
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["Implicit", "Schlick-Smith"])
 def test_beyond_what_is_proved_there_is_an_exception(name):
@@ -160,13 +145,3 @@ def test_beyond_what_is_proved_there_is_an_exception(name):
     shapes = [closed.subs(enclosure.alpha, share * largest) for share in (0.999, 1.001)]
     signs = [{bool(shape.subs(enclosure.mu_o, sp.Rational(k, 1000)).evalf() < 0) for k in range(1, 1000)} for shape in shapes]
     assert signs == [{True}, {True, False}]
-
-
-@pytest.mark.slow
-def test_every_row_of_the_tables_has_its_quantifier():
-    stated = enclosure.quantifiers()
-    rows = {**table_of_distributions(), **table_of_masking()}
-    assert set(rows) == set(stated)
-    for name, row in rows.items():
-        assert row.physical == stated[name].verdict
-        assert all(equations[key].enclosed for key in stated[name].keys)

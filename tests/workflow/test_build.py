@@ -85,7 +85,7 @@ def test_a_failing_check_stops_the_report_but_not_the_figures(built: Checkout) -
 
 
 def test_a_statement_that_measurements_refute_stops_the_report(built: Checkout) -> None:
-    trials = "lib/microfacet/surface/trials.py"
+    trials = "lib/report/trials.py"
     built.edit(trials, '"status": "pass", "detail": "1000 samples', '"status": "fail", "detail": "refuted: 1000 samples')
     done = built.snakemake()
     assert done.returncode != 0

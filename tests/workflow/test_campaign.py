@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 import yaml
 from checkout import ROOT, Checkout
-from microfacet.surface.campaign import CAMPAIGN
+from report.campaign import CAMPAIGN
 
 ENTRY = "gabor_07"
 

@@ -9,7 +9,7 @@ import chapter
 import fences
 import inventory
 import pytest
-import report
+import typeset
 from checkout import Checkout
 
 CHAPTER = """# Title {{#sec:title}}
@@ -151,7 +151,7 @@ def test_loose_ends_are_sentences() -> None:
         "1_a": '= T <sec:a>\n#refer(label("eq:missing")) @nobody',
         "2_b": '<sec:a> #refer(label("sec:a")) @heitz2014',
     }
-    assert list(report.loose_ends(texts, ["heitz2014"])) == [
+    assert list(typeset.loose_ends(texts, ["heitz2014"])) == [
         "chapters/2_b.md labels sec:a again; it stands in chapters/1_a.md.",
         "chapters/1_a.md: There is no label called 'eq:missing'.",
         "chapters/1_a.md: There is no work in chapters/references.bib called 'nobody'.",

@@ -8,7 +8,6 @@ import sys
 from pathlib import Path
 
 import closure
-import direction
 import pytest
 from checkout import ROOT, Checkout
 
@@ -82,13 +81,6 @@ def test_a_helper_of_a_helper_beside_a_script_counts(small: Checkout) -> None:
         "figures/visibility/inner.py",
         "figures/visibility/outer.py",
     ]
-
-
-def test_imports_run_one_way(library: Path) -> None:
-    assert list(direction.faults()) == []
-    (library / "geometry/slopes.py").write_text("from microfacet.visibility import smith\n")
-    (library / "notation.py").write_text("def late():\n    from microfacet.geometry import ggx\n")
-    assert list(direction.faults()) == ["lib/microfacet/geometry/slopes.py:1: geometry must not import visibility"]
 
 
 LOADED = """

@@ -131,7 +131,7 @@ def test_what_is_no_file_in_the_place_of_one_stops_the_build(made: Checkout, nam
 
 
 def test_a_range_of_surfaces_without_a_seal_counts_if_it_is_whole(small: Checkout) -> None:
-    from microfacet.datafile import store
+    from report.datafile import store
 
     good, bad = (Path(f"build/campaign/gabor_07/{span}.npz") for span in ("0-16", "16-32"))
     for path in (good, bad):
@@ -319,7 +319,7 @@ def test_what_is_torn_while_the_report_is_set_is_named_itself(built: Checkout, n
     tear(built.path(name))
     words = ["build/other.pdf", "--version=1", "--commit=a", "--tree=clean"]
     done = subprocess.run(
-        [sys.executable, "workflow/report.py", *words], cwd=built.root, capture_output=True, text=True, check=False,
+        [sys.executable, "workflow/typeset.py", *words], cwd=built.root, capture_output=True, text=True, check=False,
         env=os.environ | {"PYTHONPATH": "lib"},
     )  # fmt: skip
     built.path(name).write_bytes(whole)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import browser
 import pytest
-import report
+import typeset
 import web
 from checkout import Checkout
 
@@ -27,7 +27,7 @@ def page(built: Checkout) -> str:
 
 def labels(checkout: Checkout) -> list[str]:
     texts = [path.read_text("utf-8") for path in sorted(checkout.path("build/chapters").glob("*.typ"))]
-    return [label for text in texts for label in report.LABEL.findall(text)]
+    return [label for text in texts for label in typeset.LABEL.findall(text)]
 
 
 def words(piece: str) -> str:
@@ -115,7 +115,7 @@ def test_what_typst_leaves_out_stops_the_build(small: Checkout) -> None:
     source.parent.mkdir(exist_ok=True)
     source.write_text("#place(top)[lost]\n")
     with pytest.raises(SystemExit) as stop:
-        report.typeset(Path("build/web.typ"), "web")
+        typeset.typeset(Path("build/web.typ"), "web")
     assert "place was ignored" in str(stop.value)
 
 

@@ -15,12 +15,14 @@ from microfacet.brdf.compensation import Compensated
 from microfacet.brdf.random_walk import RandomWalk
 from microfacet.brdf.specular import Microfacet
 from microfacet.enough.lobes import Ruled, ruled, walked
-from microfacet.enough.scene import NORMALS, PRECISIONS, Point, Scene
+from microfacet.enough.scene import PRECISIONS, Point, Scene, normals_by_name
+from microfacet.families import families, key_of
+from microfacet.geometry.ggx import GGX
 from microfacet.geometry.slopes import Distribution, alpha_of
 from microfacet.material.fresnel import Fresnel, Mirror, Schlick
 from microfacet.visibility.masking import Masking
 from microfacet.visibility.smith import Smith
-from microfacet.visibility.unphysical import Implicit, SchlickSmith
+from microfacet.visibility.unphysical import Implicit, Kelemen, SchlickSmith
 from microfacet.visibility.v_cavity import VCavity
 
 Evaluate = Callable[[Any, Any], Any]
@@ -28,7 +30,7 @@ Evaluate = Callable[[Any, Any], Any]
 
 def schlick_smith(ndf: Distribution) -> SchlickSmith:
     """Schlick's masking with the k that suits the distribution: half of GGX's alpha, Beckmann's times sqrt(2/pi)."""
-    return SchlickSmith(ndf, max(alpha_of(ndf)) / 2 if isinstance(ndf, NORMALS["ggx"]) else None)
+    return SchlickSmith(ndf, max(alpha_of(ndf)) / 2 if isinstance(ndf, GGX) else None)
 
 
 MASKINGS: dict[str, tuple[str, Callable[[Any], Masking]]] = {
@@ -38,6 +40,16 @@ MASKINGS: dict[str, tuple[str, Callable[[Any], Masking]]] = {
     "height": ("Smith, height-correlated", Smith),
     "v_cavity": ("V-cavities", VCavity),
 }
+LEFT_OUT = (Smith, SchlickSmith, Kelemen)  # families that are there in the forms above, or that no scene asks for
+
+
+def maskings() -> dict[str, tuple[str, Callable[[Any], Masking]]]:
+    """The masking functions to choose from, in words and how they are made: those above, then all other families."""
+    known = (*LEFT_OUT, *(make for _, make in MASKINGS.values()))
+    more = {key_of(kind): (kind.label, kind) for kind in families(Masking) if kind not in known}
+    return {**MASKINGS, **more}
+
+
 COMPENSATIONS = {"none": "single scattering", "scaled": "scaled", "lobe": "lobe added", "walk": "random walk"}
 
 
@@ -45,7 +57,7 @@ COMPENSATIONS = {"none": "single scattering", "scaled": "scaled", "lobe": "lobe 
 class Candidate:
     """One form of each part, by name.
 
-    normals: "ggx" or "beckmann". masking: a key of `MASKINGS`. fresnel: "mirror", "schlick" or "exact". anisotropic: two
+    normals: a key of `normals_by_name`. masking: one of `maskings`. fresnel: "mirror", "schlick" or "exact". anisotropic: two
     roughnesses, or their geometric mean for both. compensation: what is done about light that bounces again, a key of
     `COMPENSATIONS`. single: whether numbers are of single precision.
     """
@@ -63,14 +75,14 @@ class Candidate:
 
     def ndf(self, point: Point) -> Distribution:
         mean = math.sqrt(point.alpha_x * point.alpha_y)
-        return NORMALS[self.normals](*((point.alpha_x, point.alpha_y) if self.anisotropic else (mean, mean)))
+        return (point if self.anisotropic else point._replace(alpha_x=mean, alpha_y=mean)).ndf(self.normals)
 
     def reflectance(self, exact: Fresnel) -> Fresnel:
         return Schlick(float(exact.F(1.0))) if self.fresnel == "schlick" else exact
 
     def brdf(self, exact: Fresnel, point: Point) -> Microfacet:
         """The BRDF without compensation."""
-        return Microfacet(MASKINGS[self.masking][1](self.ndf(point)), self.reflectance(exact))
+        return Microfacet(maskings()[self.masking][1](self.ndf(point)), self.reflectance(exact))
 
     def evaluate(self, exact: Fresnel, point: Point) -> Evaluate:
         """The whole BRDF: (wo, wi) -> values, 1/sr."""
@@ -96,11 +108,11 @@ class Candidate:
         return ", ".join(self.parts())
 
     def parts(self) -> tuple[str, ...]:
-        kind = NORMALS[self.normals].__name__ + (" of two roughnesses" if self.anisotropic else "")
+        kind = normals_by_name()[self.normals].__name__ + (" of two roughnesses" if self.anisotropic else "")
         fresnel = {"mirror": "no Fresnel", "schlick": "Schlick's Fresnel", "exact": "exact Fresnel"}[self.fresnel]
         return (
             kind,
-            MASKINGS[self.masking][0],
+            maskings()[self.masking][0],
             fresnel,
             COMPENSATIONS[self.compensation],
             "single precision" if self.single else "double precision",
@@ -115,13 +127,13 @@ def _compensated(one: Candidate, exact: Fresnel, point: Point) -> Compensated:
 
 def ladder(scene: Scene) -> list[Candidate]:
     """All models for a scene, the crudest first: more complete distributions, maskings, ... later."""
-    first = list(NORMALS) if scene.normals == "beckmann" else list(NORMALS)[:1]
+    first = list(dict.fromkeys(["ggx", scene.normals]))
     forms: list[list[Any]] = [
         [one == np.float32 for one in PRECISIONS[scene.precision][::-1]],
         list(COMPENSATIONS) if scene.bounces == "all" else ["none"],
         [False, True] if scene.ratio[1] > 1 else [False],
         ["mirror"] if isinstance(scene.material, Mirror) else ["schlick", "exact"],
-        list(MASKINGS),
+        list(maskings()),
         first,
     ]
     made = [Candidate(*reversed(parts)) for parts in product(*forms)]

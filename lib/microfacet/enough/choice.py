@@ -22,7 +22,7 @@ from microfacet.directions import one_of, positive, whole
 from microfacet.enough import cost
 from microfacet.enough.candidates import Candidate, ladder
 from microfacet.enough.lobes import Array, Reference, Ruled, binned, lobe_of, nodes, surface, walked
-from microfacet.enough.scene import NORMALS, PRECISIONS, Point, Scene
+from microfacet.enough.scene import PRECISIONS, Point, Scene
 from microfacet.visibility.smith import Smith
 
 MEASURES = {
@@ -81,7 +81,7 @@ def sky(w: Array) -> Array:
 def _light(point: Point, scene: Scene) -> Array:
     """Mean radiance in each bin for each place of a ring of the sphere, (TURNS, ROWS, COLUMNS), as its whole light sees it."""
     rule = nodes(point)
-    weight = rule.weight * Microfacet(Smith(NORMALS[scene.normals](point.alpha_x, point.alpha_y))).evaluate(point.wo, rule.wi)
+    weight = rule.weight * Microfacet(Smith(point.ndf(scene.normals))).evaluate(point.wo, rule.wi)
     total = np.maximum(binned(weight), 1e-300)
     theta, phi = math.radians(point.theta), math.radians(point.phi)
     turned = rule.wi @ np.array([[math.cos(phi), -math.sin(phi), 0], [math.sin(phi), math.cos(phi), 0], [0, 0, 1]])
@@ -343,7 +343,7 @@ def choose(
     tolerance: float = 1e-3,
     *,
     measure: str = "albedo",
-    costs: cost.Costs | str | None = None,
+    costs: cost.Costs | None = None,
     surfaces: int = SURFACES,
     walks: int = WALKS,
     **more: Any,
@@ -365,8 +365,7 @@ def choose(
         The fraction of light that is reflected; the fraction of the reflected light that goes elsewhere; or the mean
         relative error of spheres under a sky.
     costs : mapping of str to float, optional
-        Nanoseconds by name. By default the record of benchmarks or, where that lacks one, times taken now; ``"now"`` takes
-        them in any case.
+        Nanoseconds by name; by default times taken now.
     surfaces : int, optional
         Number of ray-traced surfaces, at least 2.
     walks : int, optional
@@ -400,30 +399,27 @@ def choose(
     """
     tolerance = positive("tolerance", tolerance)
     one_of("measure", measure, MEASURES)
-    if not (costs is None or isinstance(costs, Mapping) or (isinstance(costs, str) and costs == "now")):
-        raise ValueError(f"costs must be None, 'now', or nanoseconds by name, got {costs!r}")
+    if not (costs is None or isinstance(costs, Mapping)):
+        raise ValueError(f"costs must be None or nanoseconds by name, got {costs!r}")
     comparison = Comparison(Scene(alpha, theta, **more), surfaces, walks)
-    known = costs if isinstance(costs, Mapping) else known_costs(comparison, costs == "now")
-    return choice(comparison, measure, tolerance, known, beyond=True)
+    return choice(comparison, measure, tolerance, costs_now(comparison) if costs is None else costs, beyond=True)
 
 
-def known_costs(comparison: Comparison, now: bool = False) -> cost.Costs:
-    """The record's times if it has all that is asked for; else, or if asked to, times taken now."""
-    kept = {} if now else cost.recorded()
-    wanted = {cost.name_of(one, comparison.scene.material): one for one in comparison.candidates}
-    samplers = _samplers(comparison.scene)
-    if all(name in kept for name in [*wanted, *samplers]):
-        return kept
+def costs_now(comparison: Comparison) -> cost.Costs:
+    """Times of all candidates and samplers, taken now."""
     material = comparison.scene.material
+    wanted = {cost.name_of(one, material): one for one in comparison.candidates}
     calls = [(name, cost.evaluation(one, material, cost.COUNT)) for name, one in wanted.items()]
-    return cost.timed([*calls, *((name, cost.sampling(*form, cost.COUNT)) for name, form in samplers.items())])
+    samplers = [(name, cost.sampling(*form, cost.COUNT)) for name, form in _samplers(comparison.scene).items()]
+    return cost.timed([*calls, *samplers])
 
 
 def _samplers(scene: Scene) -> dict[str, tuple[str, str, type]]:
     """The ways to draw directions for a scene, by name."""
     kinds = dict.fromkeys(one.normals for one in ladder(scene))
     reals = PRECISIONS[scene.precision]
-    return {cost.sampler_name(s, kind, real): (s, kind, real) for s in cost.SAMPLERS for kind in kinds for real in reals}
+    ways = [(s, kind) for s in cost.SAMPLERS for kind in kinds if s in cost.samplers_of(kind)]
+    return {cost.sampler_name(s, kind, real): (s, kind, real) for s, kind in ways for real in reals}
 
 
 def cheapest_first(scene: Scene, costs: cost.Costs) -> list[tuple[Candidate, float]]:
@@ -441,7 +437,8 @@ def choice(comparison: Comparison, measure: str, tolerance: float, costs: cost.C
         rows.append(Row(one, found, time, verdict))
     made = Choice(comparison.scene, tolerance, measure, tuple(rows), comparison.truth[0].words)
     if made.chosen:
-        samplers = {name: sampler(comparison, made.chosen.candidate, name, costs) for name in cost.SAMPLERS}
+        one = made.chosen.candidate
+        samplers = {name: sampler(comparison, one, name, costs) for name in cost.samplers_of(one.normals)}
         made = replace(made, sampler=sampler_words(samplers), samplers=samplers)
     return replace(made, beyond=walk_error(comparison, measure)) if beyond else made
 

@@ -1,4 +1,4 @@
-"""What a candidate costs: nanoseconds for one value in large arrays, from the record of benchmarks, or timed on the spot."""
+"""What a candidate costs: nanoseconds for one value in large arrays, timed on the spot, or from a record of benchmarks."""
 
 from __future__ import annotations
 
@@ -14,13 +14,12 @@ import numpy as np
 from microfacet.brdf.specular import Microfacet
 from microfacet.directions import spherical
 from microfacet.enough.candidates import Candidate
-from microfacet.enough.scene import NORMALS, Point
+from microfacet.enough.scene import Point, normals_by_name
 from microfacet.material.fresnel import Conductor, Dielectric, Fresnel, Mirror
 from microfacet.visibility.smith import Smith
 from microfacet.visibility.v_cavity import VCavity
 
 QUANTITY = "models"  # the name in the record
-RECORD = Path(__file__).parents[3] / "records" / "benchmarks.json"  # in a checkout; an installed library has none
 SAMPLERS = {"normals": "all normals", "visible": "visible normals"}
 MATERIALS: dict[str, Fresnel] = {"mirror": Mirror(), "dielectric": Dielectric(1.5), "conductor": Conductor(0.2, 3.9)}
 TIMED = Point(0.3, 0.3, 50.0, 0.0)  # times hardly depend on roughness or view
@@ -57,9 +56,16 @@ def evaluation(one: Candidate, material: Fresnel, count: int) -> Call:
     return lambda: evaluate(wo, wi)
 
 
+def samplers_of(normals: str) -> list[str]:
+    """The ways to draw directions that a distribution has."""
+    kind = normals_by_name()[normals]
+    kernels = {"normals": kind.sample_kernel, "visible": kind.sample_visible_kernel}
+    return [name for name in SAMPLERS if kernels[name] is not None]
+
+
 def guide(sampler: str, normals: str, point: Point) -> Microfacet:
     """A BRDF whose `sample` and `pdf` are those of all normals or of visible ones."""
-    ndf = NORMALS[normals](point.alpha_x, point.alpha_y)
+    ndf = point.ndf(normals)
     return Microfacet(VCavity(ndf) if sampler == "normals" else Smith(ndf))
 
 
@@ -70,7 +76,7 @@ def sampling(sampler: str, normals: str, real: type, count: int) -> Call:
     return lambda: brdf.pdf(wo, brdf.sample(wo, u))
 
 
-def recorded(path: Path = RECORD) -> dict[str, float]:
+def recorded(path: Path) -> dict[str, float]:
     """Nanoseconds by name, from the medians on record for the largest arrays; nothing where there is no record."""
     try:
         kept = json.loads(path.read_text("utf-8"))

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from microfacet.brdf.random_walk import Later, RandomWalk
 from microfacet.brdf.specular import Microfacet
 from microfacet.confidence import RARE, student
-from microfacet.enough.scene import NORMALS, Point, Scene
+from microfacet.enough.scene import Point, Scene
 from microfacet.geometry.slopes import Distribution
 from microfacet.material.fresnel import Fresnel, Mirror
 from microfacet.surface.gaussian import GaussianField
@@ -213,7 +213,7 @@ def walked(scene: Scene, point: Point, walks: int, ndf: Distribution | None = No
 
     How much light goes on is known exactly: what mirrors do not send out at once.
     """
-    model = Smith(NORMALS[scene.normals](point.alpha_x, point.alpha_y) if ndf is None else ndf)
+    model = Smith(point.ndf(scene.normals) if ndf is None else ndf)
     once = ruled(Microfacet(model, scene.material).evaluate, scene, point)
     if scene.bounces == "one":
         return Reference(np.array([once.lobe, once.lobe]), "Smith's model", once=once)

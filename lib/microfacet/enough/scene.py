@@ -12,18 +12,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from microfacet.directions import one_of, real_number, spherical
-from microfacet.geometry.beckmann import Beckmann
-from microfacet.geometry.ggx import GGX
+from microfacet.families import alphas_of, families, key_of, of_alpha
+from microfacet.geometry.slopes import Distribution
 from microfacet.material.fresnel import Dielectric, Fresnel, Mirror
 
 Array = NDArray[np.float64]
 Range = tuple[float, float]
 
-NORMALS: dict[str, type[GGX] | type[Beckmann]] = {"ggx": GGX, "beckmann": Beckmann}
 PRECISIONS = {"double": (np.float64,), "single": (np.float32,), "either": (np.float64, np.float32)}
 BOUNCES = ("all", "one")
 ALPHAS, THETAS = 3, 5  # places in a range of roughness and of the view's angle that are looked at
 AZIMUTHS = (0.0, 45.0, 90.0)  # degrees, of the views of a surface that is not the same in all directions
+
+
+def normals_by_name() -> dict[str, type[Distribution]]:
+    """Every family of distributions that is made of roughness, GGX and Beckmann first."""
+    return {key_of(kind): kind for kind in families(Distribution, ("GGX", "Beckmann")) if alphas_of(kind)}
 
 
 class Point(NamedTuple):
@@ -43,6 +47,10 @@ class Point(NamedTuple):
     def isotropic(self) -> bool:
         return self.alpha_x == self.alpha_y
 
+    def ndf(self, normals: str) -> Distribution:
+        """The distribution of that name with this roughness."""
+        return of_alpha(normals_by_name()[normals], self.alpha_x, self.alpha_y)
+
 
 @dataclass(frozen=True)
 class Scene:
@@ -58,8 +66,8 @@ class Scene:
         Range of the larger roughness over the smaller, from 1.
     light : float or pair of float, optional
         Range of the polar angle of the light, degrees, in [0, 90]; light from elsewhere does not count.
-    normals : {"ggx", "beckmann"}, optional
-        Distribution of the surface.
+    normals : str, optional
+        Distribution of the surface: ``"ggx"``, ``"beckmann"``, or the name of another family that is made of roughness.
     fresnel : Dielectric or Conductor, optional
         Reflectance; by default that of a perfect mirror.
     bounces : {"all", "one"}, optional
@@ -70,7 +78,8 @@ class Scene:
     Raises
     ------
     ValueError
-        For anything else."""
+        For anything else.
+    """
 
     alpha: Any
     theta: Any = (0.0, 80.0)
@@ -92,12 +101,20 @@ class Scene:
             object.__setattr__(self, name, as_range(name, getattr(self, name), above, below))
         if self.light[0] == self.light[1]:
             raise ValueError(f"light must be a range of more than one angle, got {self.light[0]:g}")
-        for name, known in (("normals", NORMALS), ("bounces", BOUNCES), ("precision", PRECISIONS)):
+        for name, known in (("normals", normals_by_name()), ("bounces", BOUNCES), ("precision", PRECISIONS)):
             one_of(name, getattr(self, name), known)
+        if alphas_of(self.family) == 1 and self.ratio != (1.0, 1.0):
+            raise ValueError(f"ratio must be 1 for {self.family.label}, which has one roughness, got {_words(self.ratio)}")
+        if self.bounces == "all" and self.family.facet_kernel is None:
+            raise ValueError(f'bounces must be "one" for {self.family.label}: its class has no facet_kernel to follow light by')
         if not (self.fresnel is None or isinstance(self.fresnel, Fresnel)):
             raise ValueError(f"fresnel must be None, Dielectric or Conductor, got {self.fresnel!r}")
         if not self.material.F(1.0) > 0:
             raise ValueError(f"fresnel must reflect light, which an index of 1 does not, got {material_words(self.material)}")
+
+    @property
+    def family(self) -> type[Distribution]:
+        return normals_by_name()[self.normals]
 
     @cached_property
     def material(self) -> Fresnel:
@@ -137,7 +154,7 @@ class Scene:
         ]
         told += [f"ratio {_words(self.ratio)}"] if self.ratio != (1.0, 1.0) else []
         told += [f"light {_words(self.light)} degrees"] if self.light != (0.0, 90.0) else []
-        return f"{NORMALS[self.normals].__name__}, {material_words(self.material)}, {', '.join(told)}"
+        return f"{self.family.__name__}, {material_words(self.material)}, {', '.join(told)}"
 
 
 def material_words(fresnel: Fresnel) -> str:

@@ -8,7 +8,7 @@ the class offers a closed form.
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import cache, cached_property
 from math import cos, inf, log, pi, sin, sqrt
 from typing import Any, ClassVar
@@ -19,8 +19,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from microfacet.directions import numbers, roughness, uniform, vectors
 from microfacet.geometry.panels import Panels, panels
+from microfacet.geometry.roughness import Alphas
 from microfacet.geometry.visible_normals import HORIZON
-from microfacet.kernels import Batch, Parameters
+from microfacet.kernels import Batch, Pair, Parameters, Vector
 from microfacet.notation import P22, Direction, alpha_x, alpha_y, chi, raw, x, y
 from microfacet.parameters import Parametric, each, shown, together
 from microfacet.statement import Equation
@@ -113,7 +114,8 @@ with sp.evaluate(False):
 
 
 OF_LAMBDA = ("sample_visible_kernel", "facet_kernel", "smith_lobe")
-OF_D = ("reach", "sample_kernel", "sample_density", "sampled_kernel", "excess_kernel", "closed_Lambda", *OF_LAMBDA)
+OF_SAMPLES = ("sample_kernel", "sample_density", "sampled_kernel", "excess_kernel")
+OF_D = ("statements", "regular", "reach", *OF_SAMPLES, "closed_Lambda", *OF_LAMBDA)
 MADE_FOR = {"kernel": OF_D, "closed_Lambda": OF_LAMBDA}
 
 
@@ -132,15 +134,15 @@ class Distribution(Parametric):
     Attributes
     ----------
     kernel : callable
-        D at one unit normal, 1/sr; 0 below the horizon. A function of floats that numba can compile.
+        D at one unit normal ``(x, y, z)``, 1/sr; 0 below the horizon. A function that numba can compile.
     sample_kernel : callable or None
-        A slope from two uniform numbers, for `sample`.
+        A slope from two uniform numbers ``(u1, u2)``, for `sample`.
     closed_Lambda : callable or None
         Smith's Lambda in closed form; without one it is computed by quadrature.
     sample_visible_kernel : callable or None
         A visible normal of Smith's model, from a view and two uniform numbers.
     parameters : tuple
-        What the kernels take as their last argument, numbers or arrays.
+        What the kernels take last, numbers or arrays; best a named tuple, whose fields they read.
     alpha : tuple of float or None
         Roughness along x and along y where the family has one; formulas that ask for a roughness need it.
     reach : float
@@ -164,16 +166,18 @@ class Distribution(Parametric):
     True
     """
 
-    kernel: ClassVar[Callable[..., float]]  # D(x, y, z, parameters)
-    sample_kernel: ClassVar[Callable[..., tuple[float, float]] | None] = None  # slopes(u1, u2, parameters)
+    kernel: ClassVar[Callable[..., float]]  # D(wm, parameters)
+    sample_kernel: ClassVar[Callable[..., Pair] | None] = None  # slopes(u, parameters)
     sample_density: ClassVar[Callable[..., float] | None] = None  # of those slopes at (x, y), if it is not that of D
     sampled_kernel: ClassVar[Callable[..., float] | None] = None  # or, for more digits, the distribution of normals they have
     excess_kernel: ClassVar[Callable[..., float] | None] = None  # and D over that, where both may be too small for numbers
-    closed_Lambda: ClassVar[Callable[..., float] | None] = None  # Lambda(x, y, z, parameters)
-    # visible normals of Smith's model: normal(ox, oy, oz, u1, u2, parameters)
-    sample_visible_kernel: ClassVar[Callable[..., tuple[float, float, float]] | None] = None
-    # the facet that a ray towards -v meets, from above or below: facet(vx, vy, vz, u1, u2, key, at, parameters), see `streams`
-    facet_kernel: ClassVar[Callable[..., tuple[float, float, float]] | None] = None
+    closed_Lambda: ClassVar[Callable[..., float] | None] = None  # Lambda(w, parameters)
+    # visible normals of Smith's model: normal(wo, u, parameters)
+    sample_visible_kernel: ClassVar[Callable[..., Vector] | None] = None
+    # the facet that a ray towards -v meets, from above or below: facet(v, u, key, at, parameters), see `streams`
+    facet_kernel: ClassVar[Callable[..., Vector] | None] = None
+    statements: ClassVar[Mapping[str, Equation]] = {}  # of D, Lambda and projected_area, as far as the family states them
+    regular: ClassVar[bool] = False  # whether few nodes suffice for integrals over its lobe; if not, more are taken
     parameters: Parameters
     alpha: tuple[float, float] | None = None
     reach: ClassVar[float] = inf
@@ -395,7 +399,8 @@ class Stretched(Distribution):
         along = each(roughness, "alpha_x", alpha_x)
         across = along if alpha_y is None else each(roughness, "alpha_y", alpha_y)
         self.alpha_x, self.alpha_y = together(alpha_x=along, alpha_y=across)
-        self.parameters = self.alpha = self.slope_scale = (self.alpha_x, self.alpha_y)
+        self.parameters = Alphas(self.alpha_x, self.alpha_y)
+        self.alpha = self.slope_scale = (self.alpha_x, self.alpha_y)
         self.isotropic = bool(np.all(self.alpha_x == self.alpha_y))
 
 
@@ -482,15 +487,15 @@ def _over_slopes(kernel: Callable[..., float]) -> Batch:
 def _slope_density(D: Callable[..., float]) -> Callable[..., float]:
     def slope_density(x: float, y: float, p: Any) -> float:
         z = 1.0 / sqrt(1.0 + x * x + y * y)
-        return D(-x * z, -y * z, z, p) * (z * z * z * z)
+        return D((-x * z, -y * z, z), p) * (z * z * z * z)
 
     return slope_density
 
 
 @cache
-def _sampler(slopes: Callable[..., tuple[float, float]]) -> Batch:
-    def normal(u1: float, u2: float, p: Any) -> tuple[float, float, float]:
-        slope_x, slope_y = slopes(u1, u2, p)
+def _sampler(slopes: Callable[..., Pair]) -> Batch:
+    def normal(u: Pair, p: Any) -> Vector:
+        slope_x, slope_y = slopes(u, p)
         z = 1.0 / sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
         return -slope_x * z, -slope_y * z, z
 
@@ -506,7 +511,8 @@ def drawn_from(kind: type[Distribution]) -> Callable[..., float]:
 
 @cache
 def _of_slopes(density: Callable[..., float]) -> Callable[..., float]:
-    def normals(x: float, y: float, z: float, p: Any) -> float:
+    def normals(wm: Vector, p: Any) -> float:
+        x, y, z = wm
         if not z > 0.0:
             return 0.0
         value = density(-x / z, -y / z, p)
@@ -522,15 +528,15 @@ def excess_over_drawn(kind: type[Distribution]) -> Callable[..., float]:
     return _one if drawn_from(kind) is kind.kernel else _excess(kind.kernel, drawn_from(kind))
 
 
-def _one(x: float, y: float, z: float, p: Any) -> float:
+def _one(wm: Vector, p: Any) -> float:
     return 1.0
 
 
 @cache
 def _excess(D: Callable[..., float], drawn: Callable[..., float]) -> Callable[..., float]:
-    def excess(x: float, y: float, z: float, p: Any) -> float:
-        likely = drawn(x, y, z, p)
-        return D(x, y, z, p) / likely if likely > 0.0 else 0.0
+    def excess(wm: Vector, p: Any) -> float:
+        likely = drawn(wm, p)
+        return D(wm, p) / likely if likely > 0.0 else 0.0
 
     return excess
 
@@ -539,13 +545,13 @@ def _excess(D: Callable[..., float], drawn: Callable[..., float]) -> Callable[..
 def _sampled_density(drawn: Callable[..., float]) -> Callable[..., float]:
     """The density of normals whose slopes have the distribution that belongs to these normals."""
 
-    def sampled_density(x: float, y: float, z: float, p: Any) -> float:
-        return drawn(x, y, z, p) * z if z > 0.0 else 0.0
+    def sampled_density(wm: Vector, p: Any) -> float:
+        return drawn(wm, p) * wm[2] if wm[2] > 0.0 else 0.0
 
     return sampled_density
 
 
-def around(radius: float, u: float) -> tuple[float, float]:
+def around(radius: float, u: float) -> Pair:
     """The point at a distance from the origin and an azimuth of 2 pi u."""
     return radius * cos(2.0 * pi * u), radius * sin(2.0 * pi * u)
 
@@ -557,8 +563,8 @@ def around(radius: float, u: float) -> tuple[float, float]:
 def lambda_batch(kernel: Callable[..., float]) -> Batch:
     """A kernel of Lambda over arrays of directions (..., 3)."""
 
-    def above(x: float, y: float, z: float, p: Any) -> float:
-        return kernel(x, y, z, p) if z > HORIZON else inf
+    def above(w: Vector, p: Any) -> float:
+        return kernel(w, p) if w[2] > HORIZON else inf
 
     return Batch(above, [3])
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache
 from math import sqrt
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 import sympy as sp
@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from microfacet.arithmetic import two_product, two_sum
 from microfacet.directions import cosines, real_number, within
-from microfacet.kernels import Batch, Parameters, packed
+from microfacet.kernels import Batch, Parameters
 from microfacet.notation import raw
 from microfacet.parameters import Parametric, each, shown, together
 from microfacet.statement import Equation
@@ -361,7 +361,7 @@ class Fresnel(Parametric):
     kernel : callable
         Reflectance of one cosine and the parameters. A function of floats that numba can compile.
     parameters : tuple
-        What the kernel takes as its last argument, numbers or arrays.
+        What the kernel takes last, numbers or arrays; best a named tuple, whose fields it reads.
 
     References
     ----------
@@ -375,7 +375,14 @@ class Fresnel(Parametric):
     """
 
     kernel: ClassVar[Callable[..., float]]  # F(cosine, parameters)
+    regular: ClassVar[bool] = False  # whether few nodes suffice for integrals over it; if not, more are taken
     parameters: Parameters
+
+    def __init_subclass__(cls) -> None:
+        """What is known of another kernel is not known of its own."""
+        super().__init_subclass__()
+        if "kernel" in vars(cls) and "regular" not in vars(cls):
+            cls.regular = False
 
     def F(self, cosine: ArrayLike) -> NDArray[Any]:
         """Reflectance of a microfacet.
@@ -412,8 +419,52 @@ def _over_cosines(kernel: Callable[..., float]) -> Batch:
     return Batch(kernel, [1])
 
 
-def kernel_mirror(c: float, p: Any) -> float:
+class Index(NamedTuple):
+    """Parameter of `Dielectric`."""
+
+    eta: float
+
+
+class ComplexIndex(NamedTuple):
+    """Parameters of `Conductor`."""
+
+    eta: float
+    k: float
+
+
+class Ends(NamedTuple):
+    """Parameters of `Schlick`."""
+
+    F0: float
+    F90: float
+
+
+class TintedEnds(NamedTuple):
+    """Parameters of `F82Tint`."""
+
+    F0: float
+    tint: float
+    F90: float
+
+
+def kernel_mirror(cosine: float, p: tuple[()]) -> float:
     return 1.0
+
+
+def kernel_dielectric(cosine: float, p: Index) -> float:
+    return dielectric(cosine, p.eta)
+
+
+def kernel_conductor(cosine: float, p: ComplexIndex) -> float:
+    return conductor(cosine, p.eta, p.k)
+
+
+def kernel_schlick(cosine: float, p: Ends) -> float:
+    return schlick(cosine, p.F0, p.F90)
+
+
+def kernel_f82(cosine: float, p: TintedEnds) -> float:
+    return f82(cosine, p.F0, p.tint, p.F90)
 
 
 def _share(name: str, value: Any) -> float:
@@ -445,6 +496,9 @@ def _number(name: str, value: Any) -> float:
 
 class Mirror(Fresnel):
     """Perfect mirrors: F = 1."""
+
+    label = "perfect mirrors"
+    regular = True
 
     kernel = staticmethod(kernel_mirror)
     parameters = ()
@@ -479,11 +533,14 @@ class Dielectric(Fresnel):
     0.0400
     """
 
-    kernel = staticmethod(packed(dielectric, 1, 1))
+    label, cite = "dielectric", "cook1982"
+    regular = True
+
+    kernel = staticmethod(kernel_dielectric)
 
     def __init__(self, eta: ArrayLike) -> None:
         self.eta = each(_index, "eta", eta)
-        self.parameters = (self.eta,)
+        self.parameters = Index(self.eta)
 
 
 class Conductor(Fresnel):
@@ -520,11 +577,14 @@ class Conductor(Fresnel):
     [0.952 0.616 0.327]
     """
 
-    kernel = staticmethod(packed(conductor, 1, 2))
+    label, cite = "conductor", "cook1982"
+    regular = True
+
+    kernel = staticmethod(kernel_conductor)
 
     def __init__(self, eta: ArrayLike, k: ArrayLike) -> None:
         self.eta, self.k = together(eta=each(_index, "eta", eta), k=each(_absorption, "k", k))
-        self.parameters = (self.eta, self.k)
+        self.parameters = ComplexIndex(self.eta, self.k)
 
 
 class Schlick(Fresnel):
@@ -557,11 +617,14 @@ class Schlick(Fresnel):
     0.0700
     """
 
-    kernel = staticmethod(packed(schlick, 1, 2))
+    label, cite = "Schlick", "schlick1994"
+    regular = True
+
+    kernel = staticmethod(kernel_schlick)
 
     def __init__(self, F0: ArrayLike, F90: ArrayLike = 1.0) -> None:
         self.F0, self.F90 = together(F0=each(_share, "F0", F0), F90=each(_share, "F90", F90))
-        self.parameters = (self.F0, self.F90)
+        self.parameters = Ends(self.F0, self.F90)
 
 
 class F82Tint(Fresnel):
@@ -596,12 +659,15 @@ class F82Tint(Fresnel):
     0.70
     """
 
-    kernel = staticmethod(packed(f82, 1, 3))
+    label, cite = "F82 tint", "hoffman2019"
+    regular = True
+
+    kernel = staticmethod(kernel_f82)
 
     def __init__(self, F0: ArrayLike, tint: ArrayLike = 1.0, F90: ArrayLike = 1.0) -> None:
         given = {"F0": F0, "tint": tint, "F90": F90}
         self.F0, self.tint, self.F90 = together(**{name: each(_share, name, value) for name, value in given.items()})
-        self.parameters = (self.F0, self.tint, self.F90)
+        self.parameters = TintedEnds(self.F0, self.tint, self.F90)
         cosine, lowest = lowest_f82(*self.parameters)
         if np.any(lowest < -LEAST):
             parts = np.broadcast_arrays(*self.parameters, cosine, lowest)

@@ -6,7 +6,6 @@ Source: heitz2014.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,7 +17,7 @@ from microfacet.directions import spherical
 from microfacet.geometry.slopes import Distribution, alpha_of
 from microfacet.surface.measure import Estimate, Plan, estimate, estimate_of
 from microfacet.visibility.masking import Masking
-from microfacet.visibility.smith import JOINT, Smith
+from microfacet.visibility.smith import CORRELATIONS, Smith
 from microfacet.visibility.v_cavity import VCavity
 
 Array = NDArray[np.float64]
@@ -27,7 +26,7 @@ NODES = 4  # of the rule over each bin, along either side
 
 def models(ndf: Distribution) -> dict[str, Masking]:
     """The physical models over one distribution: V-cavities, and Smith's with each form of its G2."""
-    return {"V-cavities": VCavity(ndf), **{f"Smith, {form}": Smith(ndf, form) for form in JOINT}}
+    return {"V-cavities": VCavity(ndf), **{f"Smith, {form}": Smith(ndf, form) for form in CORRELATIONS}}
 
 
 def lobe_of(model: Masking, wo: ArrayLike, plan: Plan) -> Array:
@@ -140,31 +139,3 @@ def lit_of(model: Masking, wo: ArrayLike, wi: ArrayLike, side: int = 200, reach:
     wm = wm[(wm @ view > 0) & (wm @ light > 0)]
     fair = (wm @ view) * model.ndf.D(wm) * wm[:, 2] ** 3
     return float(np.sum(fair * model.G2(view, light, wm)) / np.sum(fair * model.G1(view, wm)))
-
-
-def contest(found: Mapping[str, Array], one: str, other: str, least: float = 0.0) -> list[list[str]]:
-    """Rows of a table: how far two models are off in albedo and in shape for each roughness and view, and who is nearer.
-
-    found: the arrays of the figure `measured_distances`. least: the smallest polar angle of the view, degrees. Nobody is
-    nearer where the difference is below two standard errors.
-    """
-    names = list(found["names"][0])
-    a, b = names.index(one), names.index(other)
-    short = one.split(",")[0], other.split(",")[0]
-    rows = []
-    for k, v in np.ndindex(found["noise"].shape):
-        if found["theta_o"][v] < least:
-            continue
-        albedo, error = found["albedo"][k, v]
-        off = found["model_albedo"][k, v] - albedo
-        shape, errors = np.moveaxis(found["distance"][k, v], -1, 0)
-        light = _nearer(*short, abs(off[b]) - abs(off[a]), 2 * error if off[a] * off[b] < 0 else 0.0)
-        looks = _nearer(*short, shape[b] - shape[a], math.hypot(errors[a], errors[b]))
-        here = [f"{found['alpha'][k]:.1f}", f"{found['theta_o'][v]:.0f}°", f"{albedo:.4f} ± {error:.4f}"]
-        rows.append([*here, f"{off[a]:+.4f}", f"{off[b]:+.4f}", light, f"{shape[a]:.3f}", f"{shape[b]:.3f}", looks])
-    return rows
-
-
-def _nearer(one: str, other: str, lead: float, error: float) -> str:
-    """Who is nearer, given by how much the first is; nobody if that is within two standard errors."""
-    return "–" if abs(lead) <= 2 * error else one if lead > 0 else other

@@ -40,18 +40,6 @@ def mirror(w: ArrayLike, wm: ArrayLike) -> Array:
     return mirrored
 
 
-def percentages(shares: ArrayLike, total: int = 100) -> Integers:
-    """Whole numbers in proportion to ``shares`` that add up to exactly ``total`` (largest remainders go up)."""
-    shares = np.asarray(shares, dtype=float)
-    if shares.ndim != 1 or not np.all(np.isfinite(shares)) or np.any(shares < 0) or shares.sum() <= 0:
-        raise ValueError(f"shares must be a row of finite numbers >= 0 with a positive sum, got {shares!r}")
-    exact = total * shares / shares.sum()
-    whole: Integers = np.floor(exact + 1e-9).astype(np.int64)
-    order = np.argsort(whole - exact, kind="stable")
-    whole[order[: total - whole.sum()]] += 1
-    return whole
-
-
 @dataclass(frozen=True, eq=False)
 class Pieces:
     """One piece of each facet: from the fraction ``start`` to the fraction ``stop`` of its length, shape (n,)."""
@@ -221,11 +209,6 @@ class Profile:
             place = (start[:, 0] * w[1] - start[:, 1] * w[0]) / across
         met = (along > 0) & (place >= 0) & (place <= 1) & (np.arange(3 * n) != n + facet)
         return float(np.min(along[met], initial=np.inf))
-
-
-def example(facets: int = 12) -> Profile:
-    """The profile that the figures of the report share: one curve, cut into as many facets as a figure needs."""
-    return Profile.gaussian(alpha=1.0, facets=facets, waves=5, seed=3312, jitter=0.6)
 
 
 def _checked(wo: ArrayLike) -> Array:
