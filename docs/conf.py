@@ -63,11 +63,11 @@ def name_base(app: Any, what: str, name: str, thing: Any, options: Any, lines: l
         lines[summary + 1 : summary + 1] = ["", f"A subclass of :py:class:`{above[0]}`."]
 
 
-INNER = {"panels", "reflected", "sampler", "shown", "smith_lobe"}  # what quadratures and loops ask of a model
+INNER = {"evaluation", "panels", "reflected", "sampler", "shown", "smith_lobe"}  # what quadratures and loops ask of a model
 
 
 def skip_inner(app: Any, what: str, name: str, thing: Any, skip: bool, options: Any) -> bool | None:
-    return True if name in INNER or name.endswith(("_kernel", "_of_cosine", "_of_cosines")) else None
+    return True if name in INNER or name.endswith(("_kernel", "_of_facet")) else None
 
 
 def setup(app: Any) -> None:

@@ -23,17 +23,17 @@ class Model:
     """
 
     _given: tuple[tuple[Any, ...], dict[str, Any]]
+    __signature__: ClassVar[inspect.Signature]
     label: ClassVar[str]  # the name of a family in tables, and `cite` its source; see `families`
     cite: ClassVar[str] = ""
-    __signature__: ClassVar[inspect.Signature]
 
     def __init_subclass__(cls) -> None:
-        """A class with a label of its own is a family; `help` shows its constructor's arguments, which `__new__` would hide."""
+        """A class with a label of its own is a family; help shows the constructor's arguments, which `__new__` would hide."""
         super().__init_subclass__()
-        if "label" in vars(cls):
-            labelled[cls.__module__, cls.__qualname__] = cls
         made: Any = cls
         cls.__signature__ = signature(made)
+        if "label" in vars(cls):
+            labelled[cls.__module__, cls.__qualname__] = cls
 
     def __new__(cls, *args: Any, **kwargs: Any) -> Self:
         made = super().__new__(cls)

@@ -425,8 +425,7 @@ def _place(key: str) -> tuple[int, str]:
 
 
 class Equations(Mapping[str, Equation]):
-    """All statements of the library, a mapping from their keys to `Equation`, in the order of the talk; then those of
-    other stages, by their names.
+    """All statements of the library, a mapping from their keys to `Equation`, in the order of the talk, then by name.
 
     ``mf.equations`` is the one object of this class.
 

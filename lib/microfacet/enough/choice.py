@@ -365,8 +365,7 @@ def choose(
         The fraction of light that is reflected; the fraction of the reflected light that goes elsewhere; or the mean
         relative error of spheres under a sky.
     costs : mapping of str to float, optional
-        Nanoseconds by name. By default the record of benchmarks or, where that lacks one, times taken now; ``"now"`` takes
-        them in any case.
+        Nanoseconds by name; by default times taken now.
     surfaces : int, optional
         Number of ray-traced surfaces, at least 2.
     walks : int, optional

@@ -67,7 +67,7 @@ class Scene:
     light : float or pair of float, optional
         Range of the polar angle of the light, degrees, in [0, 90]; light from elsewhere does not count.
     normals : str, optional
-        Distribution of the surface: "ggx", "beckmann", or the name of another family, see `normals_by_name`.
+        Distribution of the surface: ``"ggx"``, ``"beckmann"``, or the name of another family that is made of roughness.
     fresnel : Dielectric or Conductor, optional
         Reflectance; by default that of a perfect mirror.
     bounces : {"all", "one"}, optional

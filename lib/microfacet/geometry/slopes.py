@@ -134,15 +134,15 @@ class Distribution(Parametric):
     Attributes
     ----------
     kernel : callable
-        D(wm, parameters) of one unit normal, a tuple (x, y, z), in 1/sr; 0 below the horizon. Numba compiles it.
+        D(wm, parameters) at one unit normal ``(x, y, z)``, 1/sr; 0 below the horizon. Numba compiles it.
     sample_kernel : callable or None
-        A slope (x, y) from two uniform numbers, a tuple (u1, u2), and the parameters, for `sample`.
+        Slopes from two uniform numbers ``(u1, u2)`` and the parameters, for `sample`.
     closed_Lambda : callable or None
-        Lambda(w, parameters) of Smith's model in closed form; without one it is computed by quadrature.
+        Smith's Lambda in closed form; without one it is computed by quadrature.
     sample_visible_kernel : callable or None
         A visible normal of Smith's model, from a view and two uniform numbers.
     parameters : tuple
-        What the kernels take as their last argument, numbers or arrays; best a named tuple, whose fields they read.
+        What the kernels take last, numbers or arrays; best a named tuple, whose fields they read.
     alpha : tuple of float or None
         Roughness along x and along y where the family has one; formulas that ask for a roughness need it.
     reach : float
@@ -207,7 +207,7 @@ class Distribution(Parametric):
     def smith_lobe(self) -> tuple[Callable[..., float], Parameters] | None:
         """One kernel of D G2/(4 cos theta_o cos theta_i) under Smith's height-correlated model, and its parameters, or None.
 
-        A kernel lobe(wo, wi, parameters), quicker than its parts.
+        Quicker than its parts.
         """
         return None
 

@@ -361,7 +361,7 @@ class Fresnel(Parametric):
     kernel : callable
         Reflectance of one cosine and the parameters. A function of floats that numba can compile.
     parameters : tuple
-        What the kernel takes as its last argument, numbers or arrays; best a named tuple.
+        What the kernel takes last, numbers or arrays; best a named tuple, whose fields it reads.
 
     References
     ----------

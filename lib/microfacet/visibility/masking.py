@@ -84,9 +84,9 @@ class Masking(Parametric):
 
     statement ``visibility.masking.projected_area``, which `validate` checks.
 
-    A subclass gives three kernels: ``Lambda_kernel``, computed once for each direction (by default 0); ``G1_kernel``, given
-    Lambda; and ``G2_kernel``, given that of both directions. The last two also take the cosines between directions and normal,
-    above 0, and not the dot products alone, whose sign rounding decides at grazing angles.
+    A subclass gives kernels: ``Lambda_kernel``, which is computed once for each direction (by default 0); ``G1_kernel``,
+    given Lambda; ``G2_kernel``, given that of both directions. The last two also take the cosines between directions and
+    normal, which are above 0, and not the dot products, whose sign rounding decides at grazing angles.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ class Masking(Parametric):
     Attributes
     ----------
     parameters : tuple
-        What the kernels take as their last argument: ``p.ndf``, of the distribution, and ``p.model``, of the model.
+        What the kernels take last: ``ndf``, the parameters of the distribution, and ``model``, those of the model.
 
     Raises
     ------
@@ -197,8 +197,9 @@ class Masking(Parametric):
         >>> print(f"{mf.Smith(mf.GGX(0.5)).G2([0.6, 0.0, 0.8], [-0.6, 0.0, 0.8], [0, 0, 1]):.4f}")
         0.9363
         """
+        arrays = [vectors("wo", wo), vectors("wi", wi), vectors("wm", wm)]
         kernel = G2_of_directions(self.Lambda_kernel, self.G2_of_facet)
-        return over_triples(kernel)([vectors("wo", wo), vectors("wi", wi), vectors("wm", wm)], self.parameters)
+        return over_triples(kernel)(arrays, self.parameters)
 
     def D_visible(self, wo: ArrayLike, wm: ArrayLike) -> NDArray[Any]:
         r"""Distribution of visible normals, in 1/sr.

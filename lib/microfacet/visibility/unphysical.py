@@ -156,6 +156,8 @@ class Implicit(Masking):
     ----------
     ndf : Distribution
         Distribution of normals.
+    own : tuple, optional
+        Parameters that a subclass adds; none here.
 
     Raises
     ------
@@ -191,6 +193,8 @@ class Kelemen(Masking):
     ----------
     ndf : Distribution
         Distribution of normals.
+    own : tuple, optional
+        Parameters that a subclass adds; none here.
 
     Raises
     ------

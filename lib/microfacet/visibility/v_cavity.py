@@ -134,6 +134,8 @@ class VCavity(Masking):
     ----------
     ndf : Distribution
         Distribution of normals with opposite microfacets: D does not change when the azimuth does by pi.
+    own : tuple, optional
+        Parameters that a subclass adds; none here.
 
     Raises
     ------
