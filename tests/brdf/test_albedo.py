@@ -109,7 +109,8 @@ def test_a_distribution_of_ones_own_with_kinks_tells_an_error_that_holds() -> No
         parameters, slope_scale, isotropic = (), (0.3, 0.3), True
 
         @staticmethod
-        def kernel(x: float, y: float, z: float, p: Any) -> float:
+        def kernel(wm: tuple[float, float, float], p: Any) -> float:
+            x, y, z = wm
             slope = sqrt(x * x + y * y) / z
             return 10.61032953945969 * max(1.0 - slope / 0.3, 0.0) / (z * z * z * z)  # 3/(0.09 pi)
 
