@@ -75,7 +75,7 @@ def _brdf_of_arrays(words: str, real: type) -> Method:
         wo, wi = directions(2000, 3, real), directions(2000, 4, real)
         return worst(brdf_of_arrays(2000, real).evaluate(wo, wi), brdf_numpy(wo.astype(LONG), wi.astype(LONG)))
 
-    return Method(words, prepare, error, BRDF_SIZES, (brdf_of_arrays(1, real)._evaluation,))
+    return Method(words, prepare, error, BRDF_SIZES, (brdf_of_arrays(1, real).evaluation[0],))
 
 
 METHODS = {
@@ -83,8 +83,8 @@ METHODS = {
     "plain_single": _brdf("NumPy, single", brdf_numpy, np.float32, (brdf_numpy, parts)),
     "blocked": _brdf("NumPy blocked, double", brdf_blocked, np.float64, (brdf_numpy, brdf_blocked, parts)),
     "blocked_single": _brdf("NumPy blocked, single", brdf_blocked, np.float32, (brdf_numpy, brdf_blocked, parts)),
-    "library": _brdf("this library, double", brdf_library, np.float64, (BRDF._evaluation,)),
-    "library_single": _brdf("this library, single", brdf_library, np.float32, (BRDF._evaluation,)),
+    "library": _brdf("this library, double", brdf_library, np.float64, (BRDF.evaluation[0],)),
+    "library_single": _brdf("this library, single", brdf_library, np.float32, (BRDF.evaluation[0],)),
     "arrays": _brdf_of_arrays("array of roughness, double", np.float64),
     "arrays_single": _brdf_of_arrays("array of roughness, single", np.float32),
 }

@@ -19,29 +19,29 @@ from microfacet.arithmetic import turn
 from microfacet.directions import spherical
 from microfacet.geometry.slopes import Distribution
 from microfacet.geometry.visible_normals import unstretched
-from microfacet.kernels import Batch
+from microfacet.kernels import Batch, Pair, Vector
+from microfacet.visibility.masking import ModelParameters, dot
 
 from benchmarks.method import ALPHA, Method, directions, uniform
 
-Normal = tuple[float, float, float]
 SQRT_PI = 1.7724538509055161
 STRAIGHT = 1e-9  # below this sine the view is taken to be vertical
 ENOUGH, STEPS = 1e-5, 10  # the error of the share at which jakob2014 stops, and its largest number of steps
 
-# --- normals: kernels of a view, two uniform numbers and (roughnesses, ...) -------------------------------------------------
+# --- normals: kernels of a view, two uniform numbers and a model's parameters -------------------------------------------------
 
 
-def upright(slope_x: float, slope_y: float) -> Normal:
+def upright(slope_x: float, slope_y: float) -> Vector:
     z = 1.0 / sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
     return -slope_x * z, -slope_y * z, z
 
 
-def stretched_back(x: float, y: float, z: float, alpha_x: float, alpha_y: float) -> Normal:
+def stretched_back(x: float, y: float, z: float, alpha_x: float, alpha_y: float) -> Vector:
     scale = 1.0 / sqrt(alpha_x * x * alpha_x * x + alpha_y * y * alpha_y * y + z * z)
     return scale * alpha_x * x, scale * alpha_y * y, scale * z
 
 
-def turned_back(along: float, across: float, vx: float, vy: float, alpha_x: float, alpha_y: float) -> Normal:
+def turned_back(along: float, across: float, vx: float, vy: float, alpha_x: float, alpha_y: float) -> Vector:
     """The normal of slopes of unit roughness along and across the view."""
     vs = sqrt(vx * vx + vy * vy)
     c = vx / vs if vs > STRAIGHT else 1.0
@@ -49,28 +49,28 @@ def turned_back(along: float, across: float, vx: float, vy: float, alpha_x: floa
     return upright(alpha_x * (c * along - s * across), alpha_y * (s * along + c * across))
 
 
-def ggx_normals(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> Normal:
+def ggx_normals(wo: Vector, u: Pair, p: ModelParameters) -> Vector:
     """Normals by their area, whoever looks."""
-    alpha_x, alpha_y = p[0]
+    (u1, u2), alpha_x, alpha_y = u, p.ndf.alpha_x, p.ndf.alpha_y
     r = sqrt(u1 / (1.0 - u1))
     c, s = turn(u2)
     return upright(alpha_x * r * c, alpha_y * r * s)
 
 
-def beckmann_normals(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> Normal:
-    alpha_x, alpha_y = p[0]
+def beckmann_normals(wo: Vector, u: Pair, p: ModelParameters) -> Vector:
+    (u1, u2), alpha_x, alpha_y = u, p.ndf.alpha_x, p.ndf.alpha_y
     r = sqrt(-log(1.0 - u1))
     c, s = turn(u2)
     return upright(alpha_x * r * c, alpha_y * r * s)
 
 
-def heitz_d_eon(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> Normal:
+def heitz_d_eon(wo: Vector, u: Pair, p: ModelParameters) -> Vector:
     """heitzdeon2014: the slope along the view in closed form, the one across by a rational fit."""
-    alpha_x, alpha_y = p[0]
-    vx, vy, vz = unstretched(ox, oy, oz, alpha_x, alpha_y)
+    (u1, u2), alpha_x, alpha_y = u, p.ndf.alpha_x, p.ndf.alpha_y
+    vx, vy, vz = unstretched(wo, p.ndf)
     vs = sqrt(vx * vx + vy * vy)
     if vs < STRAIGHT:
-        return ggx_normals(ox, oy, oz, u1, u2, p)
+        return ggx_normals(wo, u, p)
     tangent = vs / vz
     share = u1 * (1.0 + sqrt(1.0 + tangent * tangent)) - 1.0
     inverse = 1.0 / (share * share - 1.0)
@@ -84,10 +84,10 @@ def heitz_d_eon(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -
     return turned_back(along, across, vx, vy, alpha_x, alpha_y)
 
 
-def disk(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> Normal:
+def disk(wo: Vector, u: Pair, p: ModelParameters) -> Vector:
     """heitz2018: a point of the disk that the viewer sees of a hemisphere."""
-    alpha_x, alpha_y = p[0]
-    vx, vy, vz = unstretched(ox, oy, oz, alpha_x, alpha_y)
+    (u1, u2), alpha_x, alpha_y = u, p.ndf.alpha_x, p.ndf.alpha_y
+    vx, vy, vz = unstretched(wo, p.ndf)
     vs = sqrt(vx * vx + vy * vy)
     c = vx / vs if vs > STRAIGHT else 1.0
     s = vy / vs if vs > STRAIGHT else 0.0
@@ -102,19 +102,19 @@ def disk(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> Norma
     return stretched_back(x, y, z if z > 0.0 else 0.0, alpha_x, alpha_y)
 
 
-def bound(ox: float, oy: float, oz: float, alpha_x: float, alpha_y: float) -> float:
+def bound(wo: Vector, alpha_x: float, alpha_y: float) -> float:
     """etotokuyoshi2023: what the cap's lower rim is multiplied by, so that less light is sent below the horizon."""
     a = alpha_x if alpha_x < alpha_y else alpha_y
     a = a if a < 1.0 else 1.0
-    s = 1.0 + sqrt(ox * ox + oy * oy)
-    return (1.0 - a * a) * s * s / (s * s + a * a * oz * oz)
+    s = 1.0 + sqrt(wo[0] * wo[0] + wo[1] * wo[1])
+    return (1.0 - a * a) * s * s / (s * s + a * a * wo[2] * wo[2])
 
 
-def bounded(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> Normal:
+def bounded(wo: Vector, u: Pair, p: ModelParameters) -> Vector:
     """etotokuyoshi2023: a spherical cap without most of the part whose mirror directions lie below the horizon."""
-    alpha_x, alpha_y = p[0]
-    vx, vy, vz = unstretched(ox, oy, oz, alpha_x, alpha_y)
-    rim = bound(ox, oy, oz, alpha_x, alpha_y) * vz
+    (u1, u2), alpha_x, alpha_y = u, p.ndf.alpha_x, p.ndf.alpha_y
+    vx, vy, vz = unstretched(wo, p.ndf)
+    rim = bound(wo, alpha_x, alpha_y) * vz
     below = u2 * (1.0 + rim)
     radius = sqrt(below * (2.0 - below))
     c, s = turn(u1)
@@ -157,12 +157,12 @@ def slope_by_erf(vs: float, vz: float, theta: float, u: float) -> float:
     return inverse_erf(b)
 
 
-def jakob(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> Normal:
-    alpha_x, alpha_y = p[0]
-    vx, vy, vz = unstretched(ox, oy, oz, alpha_x, alpha_y)
+def jakob(wo: Vector, u: Pair, p: ModelParameters) -> Vector:
+    (u1, u2), alpha_x, alpha_y = u, p.ndf.alpha_x, p.ndf.alpha_y
+    vx, vy, vz = unstretched(wo, p.ndf)
     vs = sqrt(vx * vx + vy * vy)
     if vs < STRAIGHT:
-        return beckmann_normals(ox, oy, oz, u1, u2, p)
+        return beckmann_normals(wo, u, p)
     along = slope_by_erf(vs, vz, atan(vs / vz), u1)
     return turned_back(along, inverse_erf(2.0 * u2 - 1.0), vx, vy, alpha_x, alpha_y)
 
@@ -170,17 +170,17 @@ def jakob(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> Norm
 # --- what a sample weighs ---------------------------------------------------------------------------------------------------
 
 
-def by_area(cosine: float, mz: float, oz: float, view: float, light: float, ox: float, oy: float, p: Any) -> float:
-    return cosine / (oz * mz * (1.0 + view + light))
+def by_area(cosine: float, wm: Vector, wo: Vector, Lambda_o: float, Lambda_i: float, p: ModelParameters) -> float:
+    return cosine / (wo[2] * wm[2] * (1.0 + Lambda_o + Lambda_i))
 
 
-def by_view(cosine: float, mz: float, oz: float, view: float, light: float, ox: float, oy: float, p: Any) -> float:
-    return (1.0 + view) / (1.0 + view + light)
+def by_view(cosine: float, wm: Vector, wo: Vector, Lambda_o: float, Lambda_i: float, p: ModelParameters) -> float:
+    return (1.0 + Lambda_o) / (1.0 + Lambda_o + Lambda_i)
 
 
-def by_bound(cosine: float, mz: float, oz: float, view: float, light: float, ox: float, oy: float, p: Any) -> float:
-    alpha_x, alpha_y = p[0]
-    return (1.0 + bound(ox, oy, oz, alpha_x, alpha_y) / (1.0 + 2.0 * view)) * (0.5 + view) / (1.0 + view + light)
+def by_bound(cosine: float, wm: Vector, wo: Vector, Lambda_o: float, Lambda_i: float, p: ModelParameters) -> float:
+    k = bound(wo, p.ndf.alpha_x, p.ndf.alpha_y)
+    return (1.0 + k / (1.0 + 2.0 * Lambda_o)) * (0.5 + Lambda_o) / (1.0 + Lambda_o + Lambda_i)
 
 
 @dataclass(frozen=True)
@@ -189,7 +189,7 @@ class Sampler:
 
     words: str
     ndf: type[Distribution]
-    draw: Callable[..., Normal]
+    draw: Callable[..., Vector]
     weigh: Callable[..., float]
     density: Callable[[mf.Smith, np.ndarray, np.ndarray], np.ndarray]
 
@@ -207,12 +207,12 @@ def visible_density(model: mf.Smith, wo: np.ndarray, wm: np.ndarray) -> np.ndarr
 
 def bounded_density(model: mf.Smith, wo: np.ndarray, wm: np.ndarray) -> np.ndarray:
     ax, ay = model.ndf.slope_scale
-    k = np.array([bound(*map(float, w), ax, ay) for w in wo.reshape(-1, 3)]).reshape(wo.shape[:-1])
+    k = np.array([bound(tuple(w), ax, ay) for w in wo.reshape(-1, 3).tolist()]).reshape(wo.shape[:-1])
     length = np.sqrt((ax * wo[..., 0]) ** 2 + (ay * wo[..., 1]) ** 2 + wo[..., 2] ** 2)
     return np.asarray(2 * np.sum(wo * wm, -1) * model.ndf.D(wm) / (k * wo[..., 2] + length))
 
 
-def of_library(ndf: type[Distribution]) -> Callable[..., Normal]:
+def of_library(ndf: type[Distribution]) -> Callable[..., Vector]:
     """The library's own sampler of visible normals."""
     drawn = mf.Smith(ndf(*ALPHA)).sampler
     assert drawn is not None
@@ -232,16 +232,16 @@ SAMPLERS = {
 
 
 @cache
-def estimate(draw: Callable[..., Normal], weigh: Callable[..., float], Lambda: Callable[..., float]) -> Callable[..., Any]:
+def estimate(draw: Callable[..., Vector], weigh: Callable[..., float], Lambda: Callable[..., float]) -> Callable[..., Any]:
     """The kernel of one sample: a light direction and its weight, 0 below the horizon."""
 
-    def estimated(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float, float]:
-        mx, my, mz = draw(ox, oy, oz, u1, u2, p)
-        cosine = ox * mx + oy * my + oz * mz
-        ix, iy, iz = 2.0 * cosine * mx - ox, 2.0 * cosine * my - oy, 2.0 * cosine * mz - oz
-        if not (cosine > 0.0 and iz > 0.0):
-            return ix, iy, iz, 0.0
-        return ix, iy, iz, weigh(cosine, mz, oz, Lambda(ox, oy, oz, p[0]), Lambda(ix, iy, iz, p[0]), ox, oy, p)
+    def estimated(wo: Vector, u: Pair, p: ModelParameters) -> tuple[float, float, float, float]:
+        wm = draw(wo, u, p)
+        cosine = dot(wo, wm)
+        wi = (2.0 * cosine * wm[0] - wo[0], 2.0 * cosine * wm[1] - wo[1], 2.0 * cosine * wm[2] - wo[2])
+        if not (cosine > 0.0 and wi[2] > 0.0):
+            return wi[0], wi[1], wi[2], 0.0
+        return wi[0], wi[1], wi[2], weigh(cosine, wm, wo, Lambda(wo, p.ndf), Lambda(wi, p.ndf), p)
 
     return estimated
 

@@ -87,7 +87,7 @@ def nothing(size: int) -> float:
 
 
 METHODS = {
-    "values": Method("values of the BRDF", values, nothing, VALUES, (BRDF._evaluation,)),
+    "values": Method("values of the BRDF", values, nothing, VALUES, (BRDF.evaluation[0],)),
     "surfaces": Method("surfaces made, by their side", surfaces, nothing, GRIDS, (gaussian,), each=False),
     "rays": Method(f"{RAYS} rays, by the surface's side", rays, nothing, GRIDS, (trace,), each=False),
     "digits": Method(

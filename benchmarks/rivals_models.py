@@ -24,7 +24,7 @@ SIZES, WALK_SIZES = (2 * 10**5,), (2 * 10**3,)
 def _code(one: Candidate, material: Fresnel) -> tuple[Any, ...]:
     more = {"none": (), "walk": (random_walk.connections,)}.get(one.compensation, (compensation.compensated,))
     brdf = one.brdf(material, cost.TIMED)
-    return type(brdf.model.ndf), type(brdf.model), type(brdf.fresnel), specular.evaluation_of, *more
+    return type(brdf.model.ndf), type(brdf.model), type(brdf.fresnel), specular, *more
 
 
 def _error(one: Candidate, material: Fresnel) -> Callable[[int], float]:

@@ -12,7 +12,8 @@ from math import exp, sqrt
 from typing import Any
 
 import numpy as np
-from microfacet.kernels import Batch
+from microfacet.kernels import Batch, Pair, Vector
+from microfacet.visibility.masking import ModelParameters
 
 from benchmarks.method import Method, uniform
 from benchmarks.rivals_estimate import SAMPLERS, Sampler, kernel_of
@@ -35,11 +36,12 @@ def shading(sampler: Sampler) -> Batch:
     """The light that samples bring (n,), from normals (n, 3) of a sphere and uniform numbers (n, 2)."""
     estimate = kernel_of(sampler)
 
-    def shaded(x: float, y: float, z: float, u1: float, u2: float, p: Any) -> float:
+    def shaded(normal: Vector, u: Pair, p: ModelParameters) -> float:
+        x, y, z = normal
         length = sqrt(x * x + z * z)
         ax, az = z / length, -x / length
         bx, by, bz = y * az, z * ax - x * az, -y * ax
-        ix, iy, iz, weight = estimate(az, bz, z, u1, u2, p)
+        ix, iy, iz, weight = estimate((az, bz, z), u, p)
         return weight * light(ix * ax + iy * bx + iz * x, iy * by + iz * y, ix * az + iy * bz + iz * z)
 
     return Batch(shaded, [3, 2])

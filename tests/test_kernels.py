@@ -9,7 +9,7 @@ import subprocess
 import sys
 from math import erf, exp, sqrt
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import mutually_broadcastable_shapes
 from microfacet.arithmetic import exp_minus_square, exp_minus_squares, turn, two_product, two_sum
 from microfacet.directions import points, uniform
-from microfacet.kernels import Batch, ByPrecision, packed, source
+from microfacet.kernels import Batch, ByPrecision, Count, Table, layout, packed, source
 
 HALF = 0.5
 CHUNK = 16384
@@ -30,12 +30,14 @@ def helper(x: float) -> float:
     return HALF * x + TABLE[1]
 
 
-def kernel(x: float, y: float, z: float, s: float, p: Any) -> float:
+def kernel(w: tuple[float, float, float], s: float, p: Any) -> float:
+    x, y, z = w
     return helper(x) * exp(-y * y) + sqrt(abs(z)) * p[0] + erf(s) * 0.1
 
 
-def length(x: float, y: float, z: float, p: Any) -> tuple[float, float]:
+def length(w: tuple[float, float, float], p: Any) -> tuple[float, float]:
     """Two results."""
+    x, y, z = w
     size: float = sqrt(x * x + y * y + z * z)
     return size, PRECISE
 
@@ -45,7 +47,7 @@ TWO = Batch(length, [3], 2)
 
 
 def python(rows: np.ndarray, s: np.ndarray, p: tuple[float, ...]) -> np.ndarray:
-    return np.array([kernel(*row, value, p) for row, value in zip(rows, s, strict=True)])
+    return np.array([kernel(tuple(row), value, p) for row, value in zip(rows, s, strict=True)])
 
 
 def arguments(count: int, real: type = np.float64) -> tuple[np.ndarray, np.ndarray]:
@@ -166,6 +168,103 @@ def test_out_may_not_overlap_an_argument() -> None:
     np.testing.assert_array_equal(rows, 1)
 
 
+# --- parameters by name ---------------------------------------------------------------------------------------------
+
+
+class Alphas(NamedTuple):
+    alpha_x: float
+    alpha_y: float
+
+
+class Swapped(NamedTuple):
+    alpha_y: float
+    alpha_x: float
+
+
+class Whole(NamedTuple):
+    ndf: Alphas
+    first: int
+    last: int
+    table: tuple[float, ...]
+
+
+alpha_y = object()  # no constant: but a field of this name is none of the kernel's free names
+
+
+def uneven(w: tuple[float, float, float], p: Alphas) -> float:
+    return w[0] * p.alpha_x + w[1] * p.alpha_y * p.alpha_y
+
+
+def turned(w: tuple[float, float, float], p: Alphas) -> float:
+    return uneven((w[1], w[0], w[2]), Alphas(2.0 * p.alpha_x, p.alpha_y))
+
+
+def summed(w: tuple[float, float, float], u: tuple[float, float], p: Whole) -> float:
+    total = turned(w, p.ndf) + u[0] - u[1]
+    for k in range(p.first, p.last):
+        total += p.table[k] / (p.last - k)
+    return total
+
+
+SUMMED = Batch(summed, [3, 2])
+
+
+@pytest.mark.parametrize("real", [np.float64, np.float32])
+def test_parameters_have_their_names_in_the_loop(real: type) -> None:
+    rows, u = arguments(50, real)[0], np.random.default_rng(3).random((50, 2)).astype(real)
+    p = Whole(Alphas(0.3, 0.7), Count(1), Count(4), Table((0.5, 1.5, 2.5, 3.5)))
+    expected = [summed(tuple(map(float, w)), tuple(map(float, v)), p) for w, v in zip(rows, u, strict=True)]
+    found = SUMMED([rows, u], p)
+    assert found.dtype == real
+    np.testing.assert_allclose(found, expected, rtol=10 * np.finfo(real).eps, atol=10 * np.finfo(real).eps)
+
+
+def test_arrays_among_named_parameters_keep_the_names() -> None:
+    rows, u = arguments(50)[0], np.full(2, 0.5)
+    alpha = np.linspace(0.1, 1, 50)
+    rest = (Count(0), Count(2), Table((0.5, 1.5)))
+    found = SUMMED([rows, u], Whole(Alphas(0.3, alpha), *rest))
+    one_by_one = [SUMMED([w, u], Whole(Alphas(0.3, float(a)), *rest)) for w, a in zip(rows, alpha, strict=True)]
+    np.testing.assert_array_equal(found, one_by_one)
+
+
+def test_equal_numbers_under_other_names_are_other_parameters() -> None:
+    """A tuple is equal to any of the same numbers; what was found for one must not serve another."""
+    batch, w = Batch(uneven, [3]), [2.0, 3.0, 0.0]
+    for _ in range(2):
+        assert batch([w], Alphas(5.0, 7.0)) == 2 * 5 + 3 * 49
+        assert batch([w], Swapped(5.0, 7.0)) == 2 * 7 + 3 * 25
+    assert len({batch.text(np.float64, shape=layout(p)) for p in (Alphas(5.0, 7.0), Swapped(5.0, 7.0))}) == 2
+
+
+def picked(x: float, p: Any) -> float:
+    return x * TABLE[p[0]]
+
+
+def shifted(x: float, p: Any) -> float:
+    return x * p[0] - 16777216.0
+
+
+def test_counts_stay_whole_numbers_and_other_integers_become_floats() -> None:
+    assert Batch(picked, [1])([2.0], (Count(1),)) == 2 * TABLE[1]
+    assert Batch(shifted, [1])([np.float32(1)], (16777217,)) == 0  # 2^24 + 1 rounds to 2^24
+
+
+def test_tables_of_integers_are_such() -> None:
+    assert "np.array((0, 2, 5), np.intp)" in Batch(looked_up, [1]).text(np.float32)
+    assert Batch(looked_up, [1])([np.float32(3)]) == 5
+
+
+STARTS = (0, 2, 5)
+
+
+def looked_up(x: float, p: Any) -> float:
+    total = 0.0
+    for _ in range(STARTS[0], STARTS[2]):
+        total += x / 3.0
+    return total
+
+
 # --- texts and their cache ------------------------------------------------------------------------------------------
 
 
@@ -243,6 +342,38 @@ def test_a_cached_kernel_compiles_nothing(tmp_path: Path) -> None:
     assert again == 0
     assert same == values
     assert {path: path.read_bytes() for path in tmp_path.iterdir()} == files
+
+
+NAMED = """
+import json, sys
+import numpy as np
+from typing import NamedTuple
+from numba.core import event
+from microfacet.kernels import Batch
+
+class Line(NamedTuple):
+    {fields}
+
+def line(x, p):
+    return p.slope * x + p.constant
+
+line.__source__ = "def line(x, p): return p.slope * x + p.constant"
+with event.install_recorder("numba:compile") as seen:
+    value = Batch(line, [1])([2.0], Line(3.0, 5.0))
+print(json.dumps([len(seen.buffer), float(value)]))
+"""
+
+
+@pytest.mark.slow
+def test_classes_of_a_main_program_are_no_part_of_what_is_kept(tmp_path: Path) -> None:
+    """Another process has them not; and classes of other fields are other parameters there too."""
+    environment = {"MICROFACET_CACHE": str(tmp_path), "PYTHONPATH": str(Path(__file__).parent.parent / "lib")}
+    one, other = (NAMED.format(fields=f"{a}: float\n    {b}: float") for a, b in (("slope", "constant"), ("constant", "slope")))
+    (compiled, value), again = run(one, **environment), run(one, **environment)
+    assert compiled > 0
+    assert value == 11
+    assert again == [0, 11]
+    assert run(other, **environment)[1] == 13
 
 
 SHARED = """
@@ -364,12 +495,12 @@ def test_one_row_for_all_is_read_once_and_rows_of_one_turn_are_not_copied() -> N
 MANY_ROWS = 2 * CHUNK + 7  # more than one thread's share
 
 
-def of_pair(x: float, y: float, z: float, a: float, b: float, c: float, p: Any) -> float:
-    return (x + y + z) * p[0] + a - b + c
+def of_pair(wo: tuple[float, float, float], wi: tuple[float, float, float], p: Any) -> float:
+    return (wo[0] + wo[1] + wo[2]) * p[0] + wi[0] - wi[1] + wi[2]
 
 
-def first_half(x: float, y: float, z: float, u: float, v: float, p: Any) -> float:
-    return 0.5 * x
+def first_half(w: tuple[float, float, float], u: tuple[float, float], p: Any) -> float:
+    return 0.5 * w[0]
 
 
 PAIRS, HALVES = Batch(of_pair, [3, 3]), Batch(first_half, [3, 2])

@@ -6,7 +6,9 @@ import numpy as np
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
+from microfacet.geometry.roughness import SlopeScale
 from microfacet.kernels import Batch
+from microfacet.visibility.masking import ModelParameters
 from microfacet.visibility.smith import Smith, alpha_o, quadrature_Lambda
 from report.datafile import rounded, store
 
@@ -17,8 +19,8 @@ UP = np.array([0.0, 0.0, 1.0])
 
 def by_quadrature(ndf, views):
     """Smith's G1 with Lambda integrated over the half-plane of hidden slopes of the stretched distribution."""
-    Lambda = Batch(quadrature_Lambda(type(ndf).kernel), [1, 1, 1])
-    return 1 / (1 + Lambda(list(np.moveaxis(views, -1, 0)), (ndf.parameters, ndf.slope_scale)))
+    Lambda = Batch(quadrature_Lambda(type(ndf).kernel), [3])
+    return 1 / (1 + Lambda([views], ModelParameters(ndf.parameters, SlopeScale(*ndf.slope_scale))))
 
 
 def compute() -> dict:

@@ -16,9 +16,10 @@ ROUGHNESS = (0.05, 0.1, 0.25, 0.5, 1.0)
 THETA, PHI = np.linspace(0, 88, 12), np.linspace(0, 90, 21)
 
 
-def mean_Lambda(x, y, z, p):
+def mean_Lambda(w, p):
     """GGX's Lambda with one mean roughness for all azimuths: wrong, and here to be found out."""
-    return ggx_Lambda(abs(z) / ((p[1][0] * p[1][1]) ** 0.5 * max((x * x + y * y) ** 0.5, 1e-300)))
+    x, y, z = w
+    return ggx_Lambda(abs(z) / ((p.ndf.alpha_x * p.ndf.alpha_y) ** 0.5 * max((x * x + y * y) ** 0.5, 1e-300)))
 
 
 class MeanRoughness(Smith):
@@ -26,7 +27,7 @@ class MeanRoughness(Smith):
 
     def __init__(self, ndf: GGX) -> None:
         super().__init__(ndf)
-        self.view_kernel = mean_Lambda
+        self.Lambda_kernel = mean_Lambda
 
 
 MODELS = {"smith": Smith(GGX(*ALPHAS)), "v_cavity": VCavity(GGX(*ALPHAS)), "mean": MeanRoughness(GGX(*ALPHAS))}

@@ -8,12 +8,13 @@ from microfacet.directions import spherical
 from microfacet.geometry import beckmann, ggx
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
+from microfacet.geometry.roughness import SlopeScale
 from microfacet.surface.gaussian import GaussianField
 from microfacet.surface.measure import estimate
 from microfacet.surface.trace import HeightField
 from microfacet.validation.equations import ABOVE
-from microfacet.visibility.masking import nothing
-from microfacet.visibility.quadrature import seen_batch
+from microfacet.visibility.masking import no_Lambda
+from microfacet.visibility.quadrature import Seen, seen_batch
 from report.datafile import rounded, store
 
 CHECKED = np.linspace(0.1, 1.0, 10)
@@ -26,8 +27,8 @@ SHOWN = 0.5
 def facets(normals):
     """The integrand D; from straight above, all facets are seen."""
 
-    def facets(view, ox, oy, oz, mx, my, mz, p):
-        return normals(mx, my, mz, p[0])
+    def facets(Lambda_o, wo, wm, p):
+        return normals(wm, p.ndf)
 
     return facets
 
@@ -42,7 +43,8 @@ def made(alpha: float) -> tuple[float, float]:
 
 def measured(ndf) -> tuple[float, float]:
     """Area by quadrature, and its difference from a coarser rule."""
-    sums = seen_batch(nothing, facets(type(ndf).kernel), type(ndf).kernel)([ABOVE], ((ndf.parameters, ()), ndf.slope_scale))
+    batch = seen_batch(no_Lambda, facets(type(ndf).kernel), type(ndf).kernel)
+    sums = batch([ABOVE], Seen(ndf.parameters, (), SlopeScale(*ndf.slope_scale)))
     return sums[0], abs(sums[0] - sums[1])
 
 

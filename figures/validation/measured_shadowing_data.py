@@ -7,7 +7,7 @@ from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.surface.compare import lit_of
 from microfacet.surface.measure import estimate
-from microfacet.visibility.smith import JOINT, Smith
+from microfacet.visibility.smith import CORRELATIONS, Smith
 from microfacet.visibility.v_cavity import VCavity
 from report.campaign import CAMPAIGN, read
 from report.datafile import rounded, store
@@ -21,7 +21,7 @@ UP = np.array([0.0, 0.0, 1.0])
 def smith(alpha: float, theta_i: float, azimuth: np.ndarray) -> np.ndarray:
     """G2/G1 of each form, the same for all facets that are turned to both."""
     wo, wi = spherical(np.radians(DEGREES)), spherical(theta_i, np.radians(azimuth))
-    forms = [Smith(Beckmann(alpha), form) for form in JOINT]
+    forms = [Smith(Beckmann(alpha), form) for form in CORRELATIONS]
     return np.array([model.G2(wo, wi, UP) / model.G1(wo, UP) for model in forms])
 
 
@@ -42,7 +42,7 @@ def compute() -> dict:
             "theta_i": np.degrees(theta_i),
             "azimuth": np.degrees(azimuth),
             "fine": FINE,
-            "forms": list(JOINT),
+            "forms": list(CORRELATIONS),
             "lit": np.array([one.value for one in lit]),
             "error": np.array([one.error for one in lit]),
             "smith": np.array([[smith(a, theta, FINE) for theta in theta_i] for a in alpha]),

@@ -5,25 +5,31 @@ and tested without a compiler. `Batch` collects the text of that function and of
 program, and compiles a loop over arrays from it. Compiled code is kept under a name that its text decides (see `cache`),
 so that it can never be stale: another text is another file.
 
-Rules for a kernel: floats only (write 2.0, not 2), no global state except float constants, tuples of floats and other
-kernels. Literals become single precision in a single-precision loop. It ends whatever it is given: what is no number is
-found while the loop runs.
+What a kernel takes: of an array with a last axis a row, as a tuple (a direction is (x, y, z), two uniform numbers are
+(u1, u2)), of any other array a number; and last the parameters, a named tuple of numbers and of such tuples: D(wm, p) reads
+p.alpha_x. A plain tuple does as well.
+
+Rules for a kernel: floats only (write 2.0, not 2), no global state except constants, tuples of numbers, classes of named tuples
+and other kernels. Literals become single precision in a single-precision loop. It ends whatever it is given: what is no number
+is found while the loop runs.
 """
 
 from __future__ import annotations
 
 import ast
 import builtins
+import dis
 import hashlib
 import inspect
 import linecache
 import math
 import textwrap
+from collections import namedtuple
 from collections.abc import Callable, Sequence
 from functools import cache
 from math import exp, ldexp
 from types import FunctionType
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
@@ -31,11 +37,14 @@ from microfacet.cache import key, load, require_compiler, store
 from microfacet.directions import UNIT, Argument
 from microfacet.processors import QUICK, Pace, apart, spread
 
+Vector = tuple[float, float, float]
+Pair = tuple[float, float]
 Parameters = tuple[Any, ...]
 Single = tuple[bool, ...]
 Kinds = tuple[str, ...]
 Loop = Callable[..., bool]
 Varying = Any  # nested as parameters are: the place of each array in a row of them, None for all else
+Layout = Any  # nested as parameters are: the names of the fields, and the layouts of what they hold; see `layout`
 QUICKEST = 1e-9  # seconds that an element takes at least ...
 LONG = 1e-6  # ... and for how many it is taken where a loop within may take any time
 KEPT = 64  # sets of parameters that a loop is kept ready for
@@ -43,7 +52,7 @@ KEPT = 64  # sets of parameters that a loop is kept ready for
 _HEADER = """\
 from math import *
 import numpy as np
-from microfacet.kernels import shared
+from microfacet.kernels import named, shared
 from microfacet.widest import widest
 from numba import float32, float64, njit, types
 
@@ -125,9 +134,10 @@ def source(function: FunctionType) -> str:
 
 
 def _bindings(function: FunctionType) -> dict[str, Any]:
-    """What the free names of a function stand for."""
+    """What the free names of a function stand for; names of fields are not among them."""
     code = function.__code__
-    found = {name: function.__globals__[name] for name in code.co_names if name in function.__globals__}
+    free = [step.argval for step in dis.get_instructions(code) if step.opname == "LOAD_GLOBAL"]
+    found = {name: function.__globals__[name] for name in free if name in function.__globals__}
     for name, cell in zip(code.co_freevars, function.__closure__ or (), strict=True):
         found[name] = cell.cell_contents
     return found
@@ -196,14 +206,22 @@ class _Program:
         self.real = real
         self.texts: list[str] = []
         self.names: dict[FunctionType, str] = {}
-        self.tables: dict[tuple[float, ...], str] = {}
+        self.known: set[str] = set()  # names of tables and of classes
 
     def table(self, values: tuple[float, ...]) -> str:
-        """The name of an array that holds the values of a tuple."""
-        if values not in self.tables:
-            self.tables[values] = f"table_{_digest(repr(values))}"
-            self.texts.append(f"{self.tables[values]} = np.array({values!r}, T)")
-        return self.tables[values]
+        """The name of an array that holds the values of a tuple: of integers if all are."""
+        kind = "np.intp" if all(isinstance(value, int) for value in values) else "T"
+        return self._define(f"table_{_digest(repr(values))}", f"np.array({values!r}, {kind})")
+
+    def named_tuple(self, fields: tuple[str, ...]) -> str:
+        """The name of the class of tuples with these fields."""
+        return self._define(f"Named_{_digest(repr(fields))}", f"named{fields!r}")
+
+    def _define(self, name: str, value: str) -> str:
+        if name not in self.known:
+            self.known.add(name)
+            self.texts.append(f"{name} = {value}")
+        return name
 
     def add(self, function: FunctionType) -> str:
         if function in self.names:
@@ -214,15 +232,22 @@ class _Program:
         replaced = {} if _has_loop(function) else IN_LOOPS
         for name, value in _bindings(function).items():
             value = replaced.get(value, value) if callable(value) else value
-            if isinstance(value, FunctionType):
-                names[name] = self.add(value)
-            elif isinstance(value, tuple):
-                names[name] = self.table(value)
+            if (known := self._defined(value)) is not None:
+                names[name] = known
             elif isinstance(value, int | float):
                 constants[name] = _literal(value, self.real)
             elif not (value is getattr(math, name, None) or value is getattr(builtins, name, None)):
                 raise TypeError(f"kernel {function.__qualname__} uses {name}, which is no kernel and no constant")
         return self._keep(function, *_embedded(function, tuple(names.items()), tuple(constants.items())))
+
+    def _defined(self, value: Any) -> str | None:
+        """The name of a kernel, of a tuple of numbers or of a class of named tuples; None for anything else."""
+        if isinstance(value, FunctionType):
+            return self.add(value)
+        if isinstance(value, tuple):
+            return self.table(value)
+        fields = _fields(value)
+        return None if fields is None else self.named_tuple(fields)
 
     def _keep(self, function: FunctionType, unique: str, text: str) -> str:
         if unique not in self.names.values():
@@ -283,32 +308,67 @@ def shared(real: Any, straight: bool) -> Callable[[FunctionType], Any]:
     return known
 
 
+# --- named tuples of parameters -----------------------------------------------------------------------------------
+
+
+@cache
+def named(*fields: str) -> Any:
+    """The class of named tuples with these fields that compiled code works with.
+
+    Code is compiled for plain tuples and names their fields itself, so that what is kept of it on disk refers to no class of a
+    caller's, which another process may not have: of such a class only the fields count.
+    """
+    return namedtuple("_".join(fields), fields)
+
+
+def _fields(kind: Any) -> tuple[str, ...] | None:
+    """The fields of a class of named tuples; None for anything else."""
+    return getattr(kind, "_fields", None) if isinstance(kind, type) and issubclass(kind, tuple) else None
+
+
+def layout(parameters: Any) -> Layout:
+    """How parameters are made: of each tuple the names of its fields, if it has any, and the layouts of its parts.
+
+    None for what has no parts. Parameters of one layout are compiled alike if their numbers are of the same types.
+    """
+    if not isinstance(parameters, tuple) or isinstance(parameters, Table):
+        return None
+    return _fields(type(parameters)), tuple(map(layout, parameters))
+
+
 # --- from one text to a compiled loop -----------------------------------------------------------------------------
 
 
 def _loop(
-    name: str, widths: Sequence[int], outputs: int, single: Sequence[bool], kinds: Sequence[str], varying: Varying
+    name: str,
+    widths: Sequence[int],
+    outputs: int,
+    single: Sequence[bool],
+    kinds: Sequence[str],
+    parameters: str,
+    varying: int,
 ) -> str:
     """The text of the loop over flat arrays, row after row. Of a `single` one, the first row serves every turn.
 
-    The last arrays are those parameters that vary from turn to turn. It tells whether all numbers looked as arguments of their
-    kinds may hold them, while it has them at hand.
+    parameters: the text of the kernel's, see `_rebuilt`; so many of the arrays, the last of all, are such as vary. It tells
+    whether all numbers looked as arguments of their kinds may hold them, while it has them at hand.
     Flat arrays and indices that are multiples of the counter are what the compiler needs to take several turns at once.
     """
     arrays = [f"a{k}" for k in range(len(widths))]
     rows = [[f"b{k}_{c}" if single[k] else f"a{k}[{width} * i + {c}]" for c in range(width)] for k, width in enumerate(widths)]
-    known = len(widths) - _count(varying)
+    taken = [row[0] if widths[k] == 1 else f"({', '.join(row)})" for k, row in enumerate(rows)]
+    known = len(widths) - varying
     loads = [f"{row[c]} = a{k}[{c}]" for k, row in enumerate(rows) if single[k] for c in range(len(row))]
     slices = [f"a{k} = a{k}[{w} * start : {w} * stop]" for k, w in enumerate(widths) if not single[k]]
     slices.append(f"out = out[{outputs} * start : {outputs} * stop]")
-    parameters = _rebuilt(varying, "p", [value for row in rows[known:] for value in row])
-    call = f"{name}({', '.join([*(value for row in rows[:known] for value in row), parameters])})"
+    of_turn = [*(f"v{k} = {value}" for k, value in enumerate(taken[known:])), f"q = {parameters}"]
+    call = f"{name}({', '.join([*taken[:known], 'q'])})"
     store = ", ".join(f"out[{outputs} * i + {c}]" for c in range(outputs))
     inputs = "types.Array(R, 1, 'C', readonly=True), " * len(widths)
     once, each = (_checks([(kinds[k], row) for k, row in enumerate(rows) if single[k] is alone]) for alone in (True, False))
-    before = "".join(f"        {line}\n" for line in [*loads, *slices, "good = True", *once])
-    within = "".join(f"            {line}\n" for line in [f"{store} = {call}", *each])
-    described = repr((name, widths, outputs, single, kinds, varying))
+    before = "".join(f"        {line}\n" for line in [*loads, *slices, "good = True", *once, *([] if varying else of_turn)])
+    within = "".join(f"            {line}\n" for line in [*(of_turn if varying else []), f"{store} = {call}", *each])
+    described = repr((name, widths, outputs, single, kinds, parameters))
     unique = f"loop_{_digest(described)}"  # loops of all programs share one name space
     return (
         f"def compiled(p):\n"
@@ -328,12 +388,21 @@ def _count(varying: Varying) -> int:
     return max(map(_count, varying)) if isinstance(varying, tuple) else 0 if varying is None else varying + 1
 
 
-def _rebuilt(varying: Varying, path: str, values: Sequence[str]) -> str:
-    """The text of the parameters of one turn: what varies is one of the values, all else is found along the path."""
-    if isinstance(varying, tuple):
-        parts = [_rebuilt(part, f"{path}[{k}]", values) for k, part in enumerate(varying)]
-        return f"({', '.join(parts)},)"
-    return path if varying is None else values[varying]
+def _rebuilt(shape: Layout, varying: Varying, program: _Program, path: str = "p") -> str:
+    """The text of the parameters of one turn, with names: the k-th that varies is vk, all else is found along the path."""
+    if isinstance(varying, int):
+        return f"v{varying}"
+    if shape is None or not (varying or _names(shape)):
+        return path
+    fields, inner = shape
+    places = varying or (None,) * len(inner)
+    parts = [_rebuilt(*both, program, f"{path}[{k}]") for k, both in enumerate(zip(inner, places, strict=True))]
+    return f"{program.named_tuple(fields) if fields else ''}({', '.join(parts)},)"
+
+
+def _names(shape: Layout) -> bool:
+    """Whether there is a named tuple among parameters of this layout."""
+    return shape is not None and (bool(shape[0]) or any(map(_names, shape[1])))
 
 
 def _checks(rows: Sequence[tuple[str, Sequence[str]]]) -> list[str]:
@@ -384,21 +453,29 @@ def _separated(parameters: Any, arrays: list[np.ndarray]) -> tuple[Varying, Any]
         return None, parameters
     parts = [_separated(part, arrays) for part in parameters]
     places = tuple(place for place, _ in parts)
-    return (places if any(place is not None for place in places) else None), tuple(rest for _, rest in parts)
+    make = getattr(parameters, "_make", tuple)
+    return (places if any(place is not None for place in places) else None), make(rest for _, rest in parts)
 
 
 class Table(tuple[float, ...]):
     """Many numbers among the parameters of a kernel, whose count may differ from one set to another: compiled as an array."""
 
 
+class Count(int):
+    """A whole number among the parameters of a kernel, which stays one: how many, or which. Other integers become floats."""
+
+
 def _cast(parameters: Any, real: type) -> Any:
+    """As the loop takes them: plain tuples of numbers, since it names their fields itself."""
     if isinstance(parameters, Table):
         return np.array(parameters, real)
-    return tuple(_cast(p, real) for p in parameters) if isinstance(parameters, tuple) else real(parameters)
+    if isinstance(parameters, tuple):
+        return tuple(_cast(p, real) for p in parameters)
+    return int(parameters) if isinstance(parameters, Count) else real(parameters)
 
 
 def packed(function: Callable[..., Any], free: int, parameters: int) -> FunctionType:
-    """The same kernel with its last arguments packed in one tuple, as `Batch` passes them."""
+    """A function of numbers as a kernel: the last of them are packed in one tuple, as `Batch` passes parameters."""
     names = [f"v{k}" for k in range(free)]
     unpack = [f"p[{k}]" for k in range(parameters)]
     text = f"def {function.__name__}_packed({', '.join([*names, 'p'])}):\n    return inner({', '.join(names + unpack)})\n"
@@ -409,11 +486,21 @@ def packed(function: Callable[..., Any], free: int, parameters: int) -> Function
     return made
 
 
+class _Ready(NamedTuple):
+    """What a call needs: the loop, its pace, the parameters as it takes them; as they were given, and their layout."""
+
+    loop: Loop
+    pace: Pace
+    taken: Any
+    given: Parameters
+    shape: Layout
+
+
 class Batch:
     """A kernel applied over arrays.
 
-    function: a kernel of `sum(widths)` floats followed by one tuple of parameters.
-    widths: the last axis of each array argument, 1 meaning that the argument has no such axis.
+    function: a kernel of as many rows as there are widths, followed by the tuple of parameters.
+    widths: the last axis of each array argument, whose rows are tuples, or 1 if it has no such axis and its rows are numbers.
     outputs: the number of floats the kernel returns; 1 gives a result without a last axis.
     varying: which of the parameters are the last of the arrays, by default none.
     """
@@ -422,38 +509,47 @@ class Batch:
         self.function, self.widths, self.outputs, self.varying = function, tuple(widths), outputs, varying
         self._of_arrays: dict[Varying, Batch] = {}
         self._known: tuple[Parameters, Varying, Parameters, list[np.ndarray]] | None = None  # of the last call with arrays
-        self._loops: dict[tuple[type, Any, Single, Kinds], tuple[Loop, Pace]] = {}
-        self._ready: dict[tuple[type, Parameters, Single, Kinds], tuple[Loop, Pace, Any]] = {}
+        self._loops: dict[tuple[type, Any, Layout, Single, Kinds], tuple[Loop, Pace]] = {}
+        self._ready: dict[tuple[type, Parameters, Single, Kinds], _Ready] = {}
 
-    def text(self, real: type, single: Single = (), kinds: Kinds = ()) -> str:
+    def text(self, real: type, single: Single = (), kinds: Kinds = (), shape: Layout = None) -> str:
         """The whole program in the given precision.
 
         single: which arguments have one row for all, by default none. kinds: what numbers each is checked for, by default none.
+        shape: the layout of the parameters, by default without names.
         """
         program = _Program(real)
         name = program.add(self.function)  # type: ignore[arg-type]
         header = _HEADER.format(real=np.dtype(real).name)
         none = len(self.widths)
-        loop = _loop(name, self.widths, self.outputs, single or (False,) * none, kinds or ("",) * none, self.varying)
+        parameters = _rebuilt(shape, self.varying, program)
+        single, kinds = single or (False,) * none, kinds or ("",) * none
+        loop = _loop(name, self.widths, self.outputs, single, kinds, parameters, _count(self.varying))
         return "\n\n".join([header, *program.texts, loop])
 
-    def _compiled(self, real: type, parameters: Any, single: Single, kinds: Kinds) -> tuple[Loop, Pace]:
+    def _compiled(self, real: type, kind: Any, shape: Layout, single: Single, kinds: Kinds) -> tuple[Loop, Pace]:
         """The loop itself, without the dispatcher that would look at the types of what it is called with."""
+        known = (real, kind, shape, single, kinds)
+        if known not in self._loops:
+            text = self.text(real, single, kinds, shape)
+            pace = Pace(LONG if _HAS_LOOP in text else QUICKEST)
+            self._loops[known] = _machine_code(text, kind).entry_point, pace
+        return self._loops[known]
+
+    def _prepare(self, real: type, parameters: Parameters, single: Single, kinds: Kinds) -> _Ready:
+        """The loop, its pace, and the parameters as it takes them: found once, for that costs more than a hundred turns.
+
+        Tuples of equal numbers count as equal whatever their fields are: so what is found is for these fields only.
+        """
         import numba
 
-        kind = numba.typeof(parameters)
-        if (real, kind, single, kinds) not in self._loops:
-            text = self.text(real, single, kinds)
-            pace = Pace(LONG if _HAS_LOOP in text else QUICKEST)
-            self._loops[real, kind, single, kinds] = _machine_code(text, kind).entry_point, pace
-        return self._loops[real, kind, single, kinds]
-
-    def _prepare(self, real: type, parameters: Parameters, single: Single, kinds: Kinds) -> tuple[Loop, Pace, Any]:
-        """The loop, its pace, and the parameters as it takes them: found once, for that costs more than a hundred turns."""
-        if len(self._ready) >= KEPT:
-            self._ready.clear()
-        cast_ = _cast(parameters, real)
-        ready = self._ready[real, parameters, single, kinds] = *self._compiled(real, cast_, single, kinds), cast_
+        ready, shape = self._ready.get((real, parameters, single, kinds)), layout(parameters)
+        if ready is None or ready.shape != shape:
+            if len(self._ready) >= KEPT:
+                self._ready.clear()
+            cast_ = _cast(parameters, real)
+            loop, pace = self._compiled(real, numba.typeof(cast_), shape, single, kinds)
+            ready = self._ready[real, parameters, single, kinds] = _Ready(loop, pace, cast_, parameters, shape)
         return ready
 
     def _varied(
@@ -498,14 +594,16 @@ class Batch:
             ready = self._ready.get((real, parameters, single, tuple(kinds)))
         except TypeError:  # arrays have no hash
             return self._varied(arrays, shape, parameters, real, out)
-        loop, pace, packed_parameters = ready or self._prepare(real, parameters, single, tuple(kinds))
+        if ready is None or ready.given is not parameters:
+            ready = self._prepare(real, parameters, single, tuple(kinds))
+        loop, pace, taken, _, _ = ready
         flat = [_flatten(*one, shape, real) for one in zip(inputs, self.widths, shapes, strict=True)]
         result = _result(out, (*shape, self.outputs) if self.outputs > 1 else shape, real, inputs)
         target = result.reshape(-1)
         if count < 2 or count * pace.seconds < QUICK:
-            good = count > 0 and loop(0, count, *flat, packed_parameters, target)
+            good = count > 0 and loop(0, count, *flat, taken, target)
         else:
-            good = spread(lambda start, stop: loop(start, stop, *flat, packed_parameters, target), count, pace)
+            good = spread(lambda start, stop: loop(start, stop, *flat, taken, target), count, pace)
         if not good:
             _refuse(arrays)
         return result if result.ndim or out is not None else result[()]

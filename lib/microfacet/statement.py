@@ -404,7 +404,7 @@ def _content(thing: Any, seen: set[int]) -> list[str]:
     if isinstance(thing, sp.Basic):
         called = [_abbreviations[f.func] for f in thing.atoms(AppliedUndef) if f.func in _abbreviations]
         return [_representation(thing), *(line for e in sorted(called, key=lambda e: e.key) for line in _content(e, seen))]
-    return [repr(thing)] if isinstance(thing, int | float | str) else []
+    return [repr(thing) if isinstance(thing, int | float | str) else repr(getattr(thing, "_fields", ""))]  # of a named tuple
 
 
 @cache

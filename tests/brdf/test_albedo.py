@@ -135,10 +135,11 @@ class Wider(mf.GGX):
     """Three times rougher along y, though the class says that both axes are alike."""
 
     @staticmethod
-    def kernel(x: float, y: float, z: float, p: Any) -> float:
-        u, v = x / p[0], y / (3.0 * p[0])
+    def kernel(wm: tuple[float, float, float], p: Any) -> float:
+        x, y, z = wm
+        u, v = x / p.alpha_x, y / (3.0 * p.alpha_x)
         square = u * u + v * v + z * z
-        return 1.0 / (3.0 * pi * p[0] * p[0] * square * square)
+        return 1.0 / (3.0 * pi * p.alpha_x * p.alpha_x * square * square)
 
 
 @pytest.mark.parametrize("masked", [mf.Smith, mf.VCavity], ids=["smith", "v_cavity"])

@@ -15,6 +15,7 @@ import pytest
 from microfacet.brdf.random_walk import LONGEST, STRIDE, Bounces
 from microfacet.directions import spherical
 from microfacet.geometry.facets import TRIES, gaussian_excess, gaussian_seen, ggx_facet
+from microfacet.geometry.roughness import Alphas
 from microfacet.kernels import Batch
 from microfacet.material.fresnel import Fresnel
 from microfacet.streams import GOLDEN, WORD, _mixed, drawn, stream
@@ -261,10 +262,10 @@ def test_facets_are_met_in_proportion_to_what_they_show(ndf: Any, degrees: float
     v = spherical(np.radians(degrees), 0.8)
     kernel: Any = type(ndf).facet_kernel
 
-    def facet(u1: float, u2: float, p: Any) -> tuple[float, float, float]:
-        return kernel(p[1][0], p[1][1], p[1][2], u1, u2, stream(u1, u2, 0), 3, p[0][0])
+    def facet(u: tuple[float, float], p: Any) -> tuple[float, float, float]:
+        return kernel(p[1], u, stream(u[0], u[1], 0), 3, p[0])
 
-    found = Batch(facet, [1, 1], 3)([*uniform(1 << 16, 9).T], ((ndf.parameters, ndf.slope_scale), tuple(map(float, v))))
+    found = Batch(facet, [2], 3)([uniform(1 << 16, 9)], (ndf.parameters, tuple(map(float, v))))
     assert (found @ v > -1e-12).all()
     assert (found[:, 2] > 0).all()
     m, shows = _slopes(ndf, v)
@@ -457,4 +458,4 @@ def test_a_facet_of_ggx_keeps_its_digits_next_to_both_poles(side: float, sine: f
         turn = 2 * mpmath.pi * mpmath.mpf(u1)
         m = [alpha[0] * (radius * mpmath.cos(turn) + x), alpha[1] * (radius * mpmath.sin(turn) + y), height + z]
         exact = [float(c / mpmath.sqrt(sum(d * d for d in m))) for c in m]
-    np.testing.assert_allclose(ggx_facet(*v, u1, u2, 0, 0, alpha), exact, rtol=1e-12)
+    np.testing.assert_allclose(ggx_facet(tuple(v), (u1, u2), 0, 0, Alphas(*alpha)), exact, rtol=1e-12)

@@ -35,8 +35,9 @@ def test_stated_solid_angle_is_the_jacobian() -> None:
     np.testing.assert_allclose(stated, np.linalg.norm(np.cross(along, across), axis=-1), rtol=1e-8)
 
 
-def cone(x: float, y: float, z: float, p: Any) -> float:
+def cone(wm: tuple[float, float, float], p: Any) -> float:
     """D of a distribution that the library does not know: P22 ~ exp(-s), s the slope's length in units of alpha."""
+    x, y, z = wm
     if not z > 0.0:
         return 0.0
     tangent = ((x * x + y * y) ** 0.5) / z

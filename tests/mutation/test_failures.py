@@ -21,10 +21,14 @@ from microfacet import checks
 from microfacet.directions import spherical
 from microfacet.geometry import ggx, slopes
 from microfacet.geometry.beckmann import beckmann_Lambda
+from microfacet.geometry.blinn_phong import Power
+from microfacet.geometry.roughness import Alphas
 from microfacet.geometry.visible_normals import sample_beckmann, sample_ggx, unstretched
 from microfacet.geometry.visible_slopes import FAR, edge_factor, fifth_order, guess, third_order, visible_gaussian_slope
+from microfacet.kernels import Pair, Vector
 from microfacet.surface.trace import HeightField, Hits
 from microfacet.validation import chi_square
+from microfacet.visibility.masking import ModelParameters
 from microfacet.visibility.smith import of_distribution
 from mutants import rebound
 from samples import LAST
@@ -102,12 +106,12 @@ def ggx_D_by_cosine(x: float, y: float, z: float, alpha_x: float, alpha_y: float
     return alpha_x * alpha_x / (PI * below * below)
 
 
-def packed_D_by_cosine(x: float, y: float, z: float, p: Any) -> float:
-    return ggx_D_by_cosine(x, y, z, p[0], p[1])
+def kernel_D_by_cosine(wm: Vector, p: Alphas) -> float:
+    return ggx_D_by_cosine(wm[0], wm[1], wm[2], p.alpha_x, p.alpha_y)
 
 
 class GGXByCosine(mf.GGX):
-    kernel = staticmethod(packed_D_by_cosine)
+    kernel = staticmethod(kernel_D_by_cosine)
 
 
 def test_ggx_by_the_cosine_alone(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -140,8 +144,9 @@ def test_Lambda_as_a_difference(key: str, kernel: Callable[..., float], real: ty
 # --- masking ------------------------------------------------------------------------------------------------------------
 
 
-def walter_Lambda(x: float, y: float, z: float, p: Any) -> float:
-    a = z / sqrt((p[0] * x) * (p[0] * x) + (p[1] * y) * (p[1] * y))
+def walter_Lambda(w: Vector, p: Alphas) -> float:
+    x, y = p.alpha_x * w[0], p.alpha_y * w[1]
+    a = w[2] / sqrt(x * x + y * y)
     if not a < 1.6:
         return 0.0
     return (1.0 + 2.276 * a + 2.577 * a * a) / (3.535 * a + 2.181 * a * a) - 1.0
@@ -171,8 +176,8 @@ def test_rational_fit_beside_an_exact_sampler(monkeypatch: pytest.MonkeyPatch) -
 ggx_Lambda = ggx.ggx_Lambda
 
 
-def azimuthless_Lambda(x: float, y: float, z: float, p: Any) -> float:
-    return ggx_Lambda(abs(z) / sqrt(p[0] * p[1] * (x * x + y * y)))
+def azimuthless_Lambda(w: Vector, p: Alphas) -> float:
+    return ggx_Lambda(abs(w[2]) / sqrt(p.alpha_x * p.alpha_y * (w[0] * w[0] + w[1] * w[1])))
 
 
 class Azimuthless(mf.GGX):
@@ -187,16 +192,16 @@ def test_anisotropic_masking_that_ignores_azimuth(monkeypatch: pytest.MonkeyPatc
     assert red("visibility/test_smith:masking_depends_on_azimuth_where_the_surface_does")
 
 
-def squared_Lambda(x: float, y: float, z: float, p: Any) -> float:
-    return ggx_Lambda(abs(z) / (p[0] * p[0] * sqrt(x * x + y * y)))
+def squared_Lambda(w: Vector, p: Alphas) -> float:
+    return ggx_Lambda(abs(w[2]) / (p.alpha_x * p.alpha_x * sqrt(w[0] * w[0] + w[1] * w[1])))
 
 
 class Squared(mf.GGX):
     closed_Lambda = staticmethod(squared_Lambda)
 
 
-def borrowed_Lambda(x: float, y: float, z: float, p: Any) -> float:
-    return beckmann_Lambda(abs(z) / sqrt(2.0 / (p[0] + 2.0) * (x * x + y * y)))
+def borrowed_Lambda(w: Vector, p: Power) -> float:
+    return beckmann_Lambda(abs(w[2]) / sqrt(2.0 / (p.n + 2.0) * (w[0] * w[0] + w[1] * w[1])))
 
 
 class Borrowed(mf.NormalizedBlinnPhong):
@@ -209,12 +214,12 @@ def test_masking_of_another_surface(ndf: mf.GGX) -> None:
     assert red("visibility/test_smith:visible_normals_project_to_the_view_and_are_a_distribution", mf.Smith(ndf))
 
 
-def unsided(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
-    return 1.0 / (1.0 + view)
+def unsided(Lambda_o: float, wo: Vector, wm: Vector, p: ModelParameters) -> float:
+    return 1.0 / (1.0 + Lambda_o)
 
 
 class Unsided(mf.Smith):
-    masked_kernel = staticmethod(unsided)
+    G1_of_facet = staticmethod(unsided)
 
 
 def test_no_test_of_the_side(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -225,10 +230,10 @@ def test_no_test_of_the_side(monkeypatch: pytest.MonkeyPatch) -> None:
 # --- samplers -----------------------------------------------------------------------------------------------------------
 
 
-def by_sine(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float]:
-    vx, _, vz = unstretched(ox, oy, oz, p[0], p[1])
+def by_sine(wo: Vector, u: Pair, p: Alphas) -> Vector:
+    vx, _, vz = unstretched(wo, p)
     sine = sqrt(1.0 - vz * vz)
-    mx, my, mz = sample_beckmann(ox, oy, oz, u1, u2, p)
+    mx, my, mz = sample_beckmann(wo, u, p)
     return mx + 0.0 * vx / sine, my, mz
 
 
@@ -261,13 +266,13 @@ def test_steps_towards_a_root_that_are_too_few(step: FunctionType, monkeypatch: 
     assert red("visibility/test_visible_normals:beckmanns_slope_is_found_to_rounding")
 
 
-def isotropic(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float]:
-    alpha = sqrt(p[0] * p[1])
-    return sample_ggx(ox, oy, oz, u1, u2, (alpha, alpha))
+def isotropic(wo: Vector, u: Pair, p: Alphas) -> Vector:
+    alpha = sqrt(p.alpha_x * p.alpha_y)
+    return sample_ggx(wo, u, Alphas(alpha, alpha))
 
 
-def swapped(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float]:
-    return sample_ggx(ox, oy, oz, u1, u2, (p[1], p[0]))
+def swapped(wo: Vector, u: Pair, p: Alphas) -> Vector:
+    return sample_ggx(wo, u, Alphas(p.alpha_y, p.alpha_x))
 
 
 @pytest.mark.parametrize("kernel", [isotropic, swapped])
@@ -280,9 +285,9 @@ def test_anisotropic_lobe_sampled_by_another(kernel: Callable[..., Any], monkeyp
     assert red("visibility/test_visible_normals:sampler_has_its_density", kind=mf.GGX, **at)
 
 
-def from_below(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float]:
-    vx, vy, vz = unstretched(ox, oy, oz, p[0], p[1])
-    return sample_ggx(vx, vy, abs(vz) / (1.0 + vz), u1, u2, p)
+def from_below(wo: Vector, u: Pair, p: Alphas) -> Vector:
+    vx, vy, vz = unstretched(wo, p)
+    return sample_ggx((vx, vy, abs(vz) / (1.0 + vz)), u, p)
 
 
 def test_frame_that_divides_by_z_plus_one() -> None:

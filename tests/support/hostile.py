@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections import namedtuple
 from collections.abc import Callable
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, fields
 from math import atan2, cos, exp, hypot, pi
 from typing import Any, ClassVar
 
@@ -11,7 +12,8 @@ from microfacet.geometry.slopes import Distribution
 from scipy.special import i0e
 
 
-def hostile(x: float, y: float, z: float, p: Any) -> float:
+def hostile(wm: tuple[float, float, float], p: Any) -> float:
+    x, y, z = wm
     if not z > 0.0:
         return 0.0
     share, x1, y1, width1, x2, y2, width2, depth, fold, turn, notch, narrow, towards, heavy, factor = p
@@ -54,6 +56,9 @@ class Shape:
     factor: float = 1.0
 
 
+Numbers = namedtuple("Numbers", [field.name for field in fields(Shape)])
+
+
 class Hostile(Distribution):
     """Facets of such a shape; with a notch they still project to the whole surface."""
 
@@ -62,7 +67,7 @@ class Hostile(Distribution):
     def __init__(self, shape: Shape) -> None:
         self.shape = shape
         cut = 1 - shape.notch * i0e(1 / shape.narrow**2)  # exp(-k) I0(k) is the mean of exp(k (cos - 1)) over the turn
-        self.parameters = (*astuple(shape)[:-1], shape.factor / float(cut))
+        self.parameters = Numbers(*astuple(shape)[:-1], shape.factor / float(cut))
 
     def __repr__(self) -> str:
         changed = {k: v for k, v in vars(self.shape).items() if v != getattr(Shape(), k)}

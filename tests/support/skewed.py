@@ -7,12 +7,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import exp, pi
-from typing import Any, ClassVar
+from typing import ClassVar, NamedTuple
 
 from microfacet.geometry.slopes import Distribution
 
 
-def skewed(x: float, y: float, z: float, p: Any) -> float:
+class Lobes(NamedTuple):
+    alpha: float
+    shift: float
+    share: float
+
+
+def skewed(wm: tuple[float, float, float], p: Lobes) -> float:
+    x, y, z = wm
     if not z > 0.0:
         return 0.0
     alpha, shift, share = p
@@ -28,7 +35,7 @@ class Skewed(Distribution):
     kernel: ClassVar[Callable[..., float]] = staticmethod(skewed)
 
     def __init__(self, alpha: float, shift: float, share: float) -> None:
-        self.parameters, self.slope_scale = (alpha, shift, share), (alpha * (1 + shift), alpha)
+        self.parameters, self.slope_scale = Lobes(alpha, shift, share), (alpha * (1 + shift), alpha)
 
 
 SKEWED = Skewed(0.3, 2.0, 0.8)

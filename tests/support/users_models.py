@@ -13,7 +13,8 @@ from microfacet.material.fresnel import Fresnel
 WO, WI = np.array([0.6, 0.0, 0.8]), np.array([-0.48, 0.36, 0.8])
 
 
-def kernel_D(x: float, y: float, z: float, p: Any) -> float:
+def kernel_D(wm: tuple[float, float, float], p: Any) -> float:
+    x, y, z = wm
     if not z > 0.0:
         return 0.0
     square = (x * x + y * y) / (p[0] * z) ** 2

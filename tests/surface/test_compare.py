@@ -165,9 +165,9 @@ def test_a_binned_compensated_lobe_has_all_the_light() -> None:
 
 def test_all_physical_models_are_compared() -> None:
     found = compare.models(NDFS[0])
-    assert list(found) == ["V-cavities", *(f"Smith, {form}" for form in compare.JOINT)]
+    assert list(found) == ["V-cavities", *(f"Smith, {form}" for form in compare.CORRELATIONS)]
     assert all(model.ndf is NDFS[0] for model in found.values())
-    assert {model.correlation for name, model in found.items() if name != "V-cavities"} == set(compare.JOINT)
+    assert {model.correlation for name, model in found.items() if name != "V-cavities"} == set(compare.CORRELATIONS)
 
 
 def test_the_lit_share_is_a_mean_over_the_facets_turned_to_both() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import microfacet as mf
 import numpy as np
@@ -12,7 +12,7 @@ import pytest
 from around import turned_to
 from microfacet.validation import equations
 from microfacet.validation.equations import THETA, TITLES, Validation, decide, default_views, residual, residuals
-from microfacet.visibility.masking import Masking, nothing
+from microfacet.visibility.masking import Masking
 from samples import views
 from skewed import SKEWED
 
@@ -104,37 +104,27 @@ def test_blinn_phong_passes_at_one_exponent_only() -> None:
 # --- each of the classic equations can fail -----------------------------------------------------------------------------
 
 
-def any_G1(view: float, om: float, oz: float, mz: float, p: Any) -> float:
+def any_G1(Lambda_o: float, om: float, wo: Any, wm: Any, p: Any) -> float:
     return 1.0
 
 
-def any_G2(
-    view: float,
-    light: float,
-    om: float,
-    im: float,
-    ox: float,
-    oy: float,
-    oz: float,
-    ix: float,
-    iy: float,
-    iz: float,
-    mz: float,
-    p: Any,
-) -> float:
-    return p[1][0] + p[1][1] * oz
+def any_G2(Lambda_o: float, Lambda_i: float, om: float, im: float, wo: Any, wi: Any, wm: Any, p: Any) -> float:
+    return p.model.constant + p.model.slope * wo[2]
+
+
+class Line(NamedTuple):
+    constant: float
+    slope: float
 
 
 class Arbitrary(Masking):
     """G2 = constant + slope cos theta_o: no model of anything."""
 
-    view_kernel = staticmethod(nothing)
-    G1_of_cosine: ClassVar[Callable[..., float]] = staticmethod(any_G1)
-    G2_of_cosines: ClassVar[Callable[..., float]] = staticmethod(any_G2)
+    G1_kernel: ClassVar[Callable[..., float]] = staticmethod(any_G1)
+    G2_kernel: ClassVar[Callable[..., float]] = staticmethod(any_G2)
 
     def __init__(self, constant: float, slope: float) -> None:
-        super().__init__(mf.GGX(0.5))
-        self.parameters = (self.ndf.parameters, (constant, slope))
+        super().__init__(mf.GGX(0.5), Line(constant, slope))
 
 
 @pytest.mark.parametrize(

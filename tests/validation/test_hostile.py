@@ -19,8 +19,9 @@ from microfacet.visibility.masking import Masking
 VIEWED = ("visible_area", "visible_norm", "weak_furnace")
 
 
-def borrowed(x: float, y: float, z: float, p: Any) -> float:
-    return ggx_Lambda(abs(z) / (p[3] * max((x * x + y * y) ** 0.5, 1e-300)))
+def borrowed(w: tuple[float, float, float], p: Any) -> float:
+    x, y, z = w
+    return ggx_Lambda(abs(z) / (p.width1 * max((x * x + y * y) ** 0.5, 1e-300)))
 
 
 class Borrowed(Hostile):

@@ -7,9 +7,10 @@ from math import pi
 import microfacet as mf
 import numpy as np
 import pytest
+from microfacet.geometry.roughness import SlopeScale
 from microfacet.validation.equations import residual, residuals
 from microfacet.visibility import quadrature
-from microfacet.visibility.masking import Masking
+from microfacet.visibility.masking import Masking, ModelParameters, dot
 from microfacet.visibility.smith import quadrature_Lambda, radial_Lambda
 from samples import views
 from skewed import SKEWED
@@ -50,12 +51,12 @@ def test_the_first_two_rules_suffice_for_the_two(make: type[mf.GGX]) -> None:
     for wo in views(30, 60, 89):
         asked: list[float] = []
 
-        def area(view, ox, oy, oz, mx, my, mz, p, asked=asked):
-            asked.append(mz)
-            return (ox * mx + oy * my + oz * mz) * make.kernel(mx, my, mz, p[0])
+        def area(Lambda_o, wo, wm, p, asked=asked):
+            asked.append(wm[2])
+            return dot(wo, wm) * make.kernel(wm, p)
 
         settle = quadrature.settled(area)
-        settle(0, light, 0.0, quadrature.AGREED, 0.0, *wo, ((ndf.parameters,), ndf.slope_scale))
+        settle(0, light, 0.0, quadrature.AGREED, 0.0, tuple(wo), SlopeScale(*ndf.slope_scale), ndf.parameters)
         assert len(asked) in {panels * sum(along * across for along, across in first[:2]) for panels in (1, 2)}
 
 
@@ -63,7 +64,7 @@ def test_the_first_two_rules_suffice_for_the_two(make: type[mf.GGX]) -> None:
 @pytest.mark.parametrize("scale", [(1e-3, 1e-3), (0.05, 2.0)])
 def test_tails_are_told_apart(make: type[mf.GGX], light: bool, scale: tuple[float, float]) -> None:
     ndf = make(*scale)
-    assert quadrature.light_tails(make.kernel)((ndf.parameters, ndf.slope_scale)) is light
+    assert quadrature.light_tails(make.kernel)(SlopeScale(*ndf.slope_scale), ndf.parameters) is light
 
 
 def test_rules_are_exact_for_what_they_are_made_for() -> None:
@@ -90,5 +91,5 @@ def test_lambda_of_a_sharp_lobe_by_rings() -> None:
     for wo in views(0.5, 5, 60, 89.9):
         exact = mf.equations["visibility.ggx.Lambda"].exact(wo[2] / np.hypot(*wo[:2]) / 1e-3)
         for rule in (radial_Lambda, quadrature_Lambda):
-            found = rule(mf.GGX.kernel)(*wo, (ndf.parameters, ndf.slope_scale))
+            found = rule(mf.GGX.kernel)(tuple(wo), ModelParameters(ndf.parameters, SlopeScale(*ndf.slope_scale)))
             assert found == pytest.approx(float(exact), rel=1e-12)

@@ -18,10 +18,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from microfacet.directions import as_vectors
-from microfacet.kernels import Batch
+from microfacet.kernels import Batch, Count, Pair, Vector
 from microfacet.material.fresnel import Conductor, Dielectric, Fresnel
-from microfacet.visibility.masking import Masking, between, nothing
-from microfacet.visibility.smith import JOINT, shadowed, view_of
+from microfacet.visibility.masking import G2_of_facet, Masking, no_Lambda
+from microfacet.visibility.smith import G2_BY_CORRELATION, Lambda_of
 from microfacet.visibility.unphysical import Implicit, Kelemen, SchlickSmith
 from microfacet.visibility.v_cavity import VCavity
 
@@ -31,9 +31,9 @@ LEVELS = 7  # rules of 13, 25, 49, ... nodes, each with the nodes of the one bef
 REACH = 3.0  # where the rule ends: what is left out counts 2e-14 of a bounded integrand
 
 
-def tanh_sinh() -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:
+def tanh_sinh() -> tuple[tuple[float, ...], tuple[float, ...], tuple[int, ...]]:
     """Nodes and weights on (0, 1), which crowd at both ends; level after level, and where each begins. takahasi1974."""
-    nodes, weights, starts = [], [], [0.0]
+    nodes, weights, starts = [], [], [0]
     for level in range(LEVELS):
         step = 0.5 / 2**level
         count = round(REACH / step)
@@ -75,31 +75,62 @@ def quadratic(a: float, b: float, c: float) -> tuple[float, float]:
     return (a / both if both != 0.0 else inf), (both / c if c != 0.0 else inf)
 
 
-def cavity_creases(
-    dx: float, dy: float, lean: float, square: float, rim: float, ox: float, oy: float, oz: float, p: Any
-) -> Any:
+class AlbedoParameters(NamedTuple):
+    """Those of distribution, masking and reflectance, and of the rule over slopes.
+
+    reach: in units of the slope scale, where slopes end. critical: the square of the critical cosine. first, levels: of the
+    rules along a ray, that after which it may end, and how many there are. bright: see `bright_light`.
+    """
+
+    ndf: Any
+    model: Any
+    fresnel: Any
+    scale_x: float
+    scale_y: float
+    reach: float
+    critical: float
+    first: int
+    levels: int
+    bright: int
+
+
+class Ray(NamedTuple):
+    """Slopes along which light is summed: how they change along the ray; what it leans towards the view; its square; and where
+    it meets the edge of the disc."""
+
+    dx: float
+    dy: float
+    lean: float
+    square: float
+    rim: float
+
+
+def cavity_creases(ray: Ray, wo: Vector, p: AlbedoParameters) -> Any:
     """Where 2 m_z o_z = o.m, where 2 m_z i_z = o.m, and where o_z = i_z."""
-    shadowed = root_between(0.0, rim, -1.0, 3.0 * lean, 3.0 * square, -lean * square)
+    lean, square = ray.lean, ray.square
+    shadowed = root_between(0.0, ray.rim, -1.0, 3.0 * lean, 3.0 * square, -lean * square)
     return (-1.0 / lean if lean != 0.0 else inf), -lean / square, shadowed, inf, inf
 
 
-def bright_light(dx: float, dy: float, lean: float, square: float, rim: float, ox: float, oy: float, oz: float, p: Any) -> Any:
+def bright_light(ray: Ray, wo: Vector, p: AlbedoParameters) -> Any:
     """Where rough surfaces mask light least: where the ray comes nearest to the facet that reflects the zenith, and, for
-    unequal roughness, where light comes along the axis of the smaller. The last parameter tells which of them count."""
-    wide = p[2][1] > p[2][0]
-    d, t = (dy, oy / oz) if wide else (dx, ox / oz)
+    unequal roughness, where light comes along the axis of the smaller. Of these p.bright counts none (0), the first (1) or
+    all (2)."""
+    (ox, oy, oz), lean, square = wo, ray.lean, ray.square
+    wide = p.scale_y > p.scale_x
+    d, t = (ray.dy, oy / oz) if wide else (ray.dx, ox / oz)
     first, second = quadratic(t, 2.0 * d, t * square - 2.0 * lean * d)
     zenith = -lean * oz / ((1.0 + oz) * square)
-    unequal = p[7] > 1.5
-    return zenith if p[7] > 0.5 else inf, first if unequal else inf, second if unequal else inf, inf, inf
+    unequal = p.bright > 1
+    return zenith if p.bright > 0 else inf, first if unequal else inf, second if unequal else inf, inf, inf
 
 
-def equals(dx: float, dy: float, lean: float, square: float, rim: float, ox: float, oy: float, oz: float, p: Any) -> Any:
+def equals(ray: Ray, wo: Vector, p: AlbedoParameters) -> Any:
     """Where light comes along the axis of the smaller roughness, and where Smith's Lambda of light and viewer is equal."""
-    _, first, second, _, _ = bright_light(dx, dy, lean, square, rim, ox, oy, oz, p)
-    alpha_x, alpha_y = p[2]
-    tx, ty = alpha_x * ox / oz, alpha_y * oy / oz
-    px, py = -2.0 * alpha_x * dx, -2.0 * alpha_y * dy
+    _, first, second, _, _ = bright_light(ray, wo, p)
+    lean, square, rim = ray.lean, ray.square, ray.rim
+    tx, ty = p.scale_x * wo[0] / wo[2], p.scale_y * wo[1] / wo[2]
+    px, py = -2.0 * p.scale_x * ray.dx, -2.0 * p.scale_y * ray.dy
     qx, qy = -lean * px - tx * square, -lean * py - ty * square
     tt = tx * tx + ty * ty
     a = 4.0 * lean * tt - 2.0 * (tx * px + ty * py)
@@ -116,68 +147,43 @@ def equals(dx: float, dy: float, lean: float, square: float, rim: float, ox: flo
 
 @cache
 def light_rule(
-    normals: Callable[..., float], view: Callable[..., float], shadowed: Callable[..., float], fresnel: Callable[..., float]
+    D: Callable[..., float], Lambda: Callable[..., float], G2: Callable[..., float], F: Callable[..., float]
 ) -> Callable[..., float]:
     """What facets of one slope send to the viewer, per angle of their ray and angle of the radius."""
 
-    def light(
-        r: float,
-        dx: float,
-        dy: float,
-        lean: float,
-        square: float,
-        rim: float,
-        seen: float,
-        ox: float,
-        oy: float,
-        oz: float,
-        p: Any,
-    ) -> float:
-        shown, risen = 1.0 - r * lean, (1.0 - r / rim) * (1.0 + r * square * rim)
+    def light(r: float, ray: Ray, Lambda_o: float, wo: Vector, p: AlbedoParameters) -> float:
+        shown, risen = 1.0 - r * ray.lean, (1.0 - r / ray.rim) * (1.0 + r * ray.square * ray.rim)
         if not (shown > 0.0 and risen > 0.0):
             return 0.0
-        mz = 1.0 / sqrt(1.0 + r * r * square)
-        mx, my = -r * dx * mz, -r * dy * mz
+        (ox, oy, oz), mz = wo, 1.0 / sqrt(1.0 + r * r * ray.square)
+        mx, my = -r * ray.dx * mz, -r * ray.dy * mz
         cosine = min(oz * mz * shown, 1.0)
-        ix, iy, iz = 2.0 * cosine * mx - ox, 2.0 * cosine * my - oy, min(oz * mz * mz * risen, 1.0)
-        both = shadowed(seen, view(ix, iy, iz, p[0]), ox, oy, oz, ix, iy, iz, mx, my, mz, p[0])
-        density = normals(mx, my, mz, p[0][0]) * ((mz * mz) * (mz * mz))
-        return fresnel(cosine, p[1]) * both * shown * density * r * (1.0 + r * r)
+        wi = (2.0 * cosine * mx - ox, 2.0 * cosine * my - oy, min(oz * mz * mz * risen, 1.0))
+        wm = (mx, my, mz)
+        both = G2(Lambda_o, Lambda(wi, p), wo, wi, wm, p)
+        density = D(wm, p.ndf) * ((mz * mz) * (mz * mz))
+        return F(cosine, p.fresnel) * both * shown * density * r * (1.0 + r * r)
 
     return light
 
 
 @cache
-def piece_rule(*parts: Callable[..., float]) -> Callable[..., tuple[float, float]]:
+def piece_rule(*parts: Callable[..., float]) -> Callable[..., Pair]:
     """The integral along a ray between two cuts, where the radius is the tangent of an angle, and its error.
 
     More and more nodes are taken until two rules agree. before: the integral as far as the piece.
     """
     light = light_rule(*parts)
 
-    def piece(
-        start: float,
-        stop: float,
-        before: float,
-        dx: float,
-        dy: float,
-        lean: float,
-        square: float,
-        rim: float,
-        seen: float,
-        ox: float,
-        oy: float,
-        oz: float,
-        p: Any,
-    ) -> tuple[float, float]:
+    def piece(start: float, stop: float, before: float, ray: Ray, Lambda_o: float, wo: Vector, p: AlbedoParameters) -> Pair:
         rule, error = 0.0, 0.0
-        for level in range(int(p[6])):
+        for level in range(p.levels):
             coarse, rule = rule, 0.5 * rule
-            for k in range(int(STARTS[level]), int(STARTS[level + 1])):
+            for k in range(STARTS[level], STARTS[level + 1]):
                 r = tan(start + (stop - start) * NODES[k])
-                rule += (stop - start) * WEIGHTS[k] * light(r, dx, dy, lean, square, rim, seen, ox, oy, oz, p)
+                rule += (stop - start) * WEIGHTS[k] * light(r, ray, Lambda_o, wo, p)
             error = abs(rule - coarse)
-            if level >= p[5] and error <= CLOSE * (before + rule):
+            if level >= p.first and error <= CLOSE * (before + rule):
                 break
         return rule, error
 
@@ -185,23 +191,19 @@ def piece_rule(*parts: Callable[..., float]) -> Callable[..., tuple[float, float
 
 
 @cache
-def ray_rule(cuts: Callable[..., Any], view: Callable[..., float], *parts: Callable[..., Any]) -> Callable[..., Any]:
-    """The integral along one ray per its angle, and its error.
-
-    Parameters: the model's, the reflectance's, scales, reach, the square of the critical cosine, the first and the number of
-    the levels after which a piece may end, and which cuts count.
-    """
+def ray_rule(cuts: Callable[..., Any], Lambda: Callable[..., float], *parts: Callable[..., Any]) -> Callable[..., Any]:
+    """The integral along one ray per its angle, and its error."""
     piece = piece_rule(*parts)
 
-    def ray(du: float, dv: float, ox: float, oy: float, oz: float, p: Any) -> tuple[float, float]:
-        dx, dy = p[2][0] * du, p[2][1] * dv
+    def along(turn: Pair, wo: Vector, p: AlbedoParameters) -> Pair:
+        (ox, oy, oz), dx, dy = wo, p.scale_x * turn[0], p.scale_y * turn[1]
         lean, square = (dx * ox + dy * oy) / oz, dx * dx + dy * dy
         root = sqrt(lean * lean + square)
         rim = 1.0 / (lean + root) if lean >= 0.0 else (root - lean) / square
-        seen = view(ox, oy, oz, p[0])
-        one, two, three, four, five = cuts(dx, dy, lean, square, rim, ox, oy, oz, p)
-        back, forth = quadratic(oz * oz - p[4], -2.0 * oz * oz * lean, oz * oz * lean * lean - p[4] * square)
-        last = atan(min(rim, p[3]))
+        ray, Lambda_o = Ray(dx, dy, lean, square, rim), Lambda(wo, p)
+        one, two, three, four, five = cuts(ray, wo, p)
+        back, forth = quadratic(oz * oz - p.critical, -2.0 * oz * oz * lean, oz * oz * lean * lean - p.critical * square)
+        last = atan(min(rim, p.reach))
         total, error, start = 0.0, 0.0, 0.0
         while start < last:
             stop = last
@@ -209,11 +211,11 @@ def ray_rule(cuts: Callable[..., Any], view: Callable[..., float], *parts: Calla
                 angle = atan(cut) if cut > 0.0 else 0.0
                 if start < angle < stop:
                     stop = angle
-            part, off = piece(start, stop, total, dx, dy, lean, square, rim, seen, ox, oy, oz, p)
+            part, off = piece(start, stop, total, ray, Lambda_o, wo, p)
             total, error, start = total + part, error + off, stop
-        return total * p[2][0] * p[2][1], error * p[2][0] * p[2][1]
+        return total * p.scale_x * p.scale_y, error * p.scale_x * p.scale_y
 
-    return ray
+    return along
 
 
 @cache
@@ -421,15 +423,15 @@ class Effort(NamedTuple):
     among random cases the truth is within.
     """
 
-    levels: tuple[float, float]
+    levels: tuple[int, int]
     power: float
     halvings: int
     most: int
     safety: float
 
 
-KNOWN = Effort((2.0, float(LEVELS)), 1.5, 1, 30000, 30.0)
-UNKNOWN = Effort((2.0, 5.0), 1.0, 1, 3000, 3.0)
+KNOWN = Effort((2, LEVELS), 1.5, 1, 30000, 30.0)
+UNKNOWN = Effort((2, 5), 1.0, 1, 3000, 3.0)
 
 
 class Reflected(NamedTuple):
@@ -439,7 +441,7 @@ class Reflected(NamedTuple):
     """
 
     kernels: tuple[Callable[..., Any], ...]
-    parameters: tuple[Any, ...]
+    parameters: AlbedoParameters
     effort: Effort
     mirrored: bool
 
@@ -458,8 +460,9 @@ class Reflected(NamedTuple):
     def _over_rays(self, views: np.ndarray) -> np.ndarray:
         """Values and errors (2, n): panels are halved until these add up to the tolerance."""
         batch, count, effort = ray_batch(*self.kernels), len(views), self.effort
-        changes = cosines_of_changes(views[:, 2], self.parameters[4], self.kernels[0] is cavity_creases)
-        panels = first_panels(views, self.parameters[2], self.mirrored, effort.halvings, changes)
+        scale = (self.parameters.scale_x, self.parameters.scale_y)
+        changes = cosines_of_changes(views[:, 2], self.parameters.critical, self.kernels[0] is cavity_creases)
+        panels = first_panels(views, scale, self.mirrored, effort.halvings, changes)
         sums = summed(batch, self.parameters, views, panels, effort.power)
         rays = len(PLACES) * np.bincount(panels.view, minlength=count)
         for _ in range(ROUNDS):
@@ -479,11 +482,11 @@ def _joined(first: Any, second: Any) -> Any:
     return type(first)(*(np.concatenate(both) for both in zip(first, second, strict=True)))
 
 
-BY_AZIMUTH = tuple(between(shadowed(JOINT[name])) for name in ("direction", "height-direction"))
-CAVITIES = between(VCavity.G2_of_cosines)
+BY_AZIMUTH = tuple(G2_of_facet(G2_BY_CORRELATION[name]) for name in ("direction", "height-direction"))
+CAVITIES = G2_of_facet(VCavity.G2_kernel)
 MODELS = (
-    *(between(shadowed(joint)) for joint in JOINT.values()),
-    *(between(kind.G2_of_cosines) for kind in (VCavity, Implicit, Kelemen, SchlickSmith)),
+    *map(G2_of_facet, G2_BY_CORRELATION.values()),
+    *(G2_of_facet(kind.G2_kernel) for kind in (VCavity, Implicit, Kelemen, SchlickSmith)),
 )
 INDICES = (Dielectric.kernel, Conductor.kernel)
 ROUGH = 0.5  # roughness from which on light from the zenith is masked so much less than other that a ray is cut there
@@ -494,30 +497,31 @@ NEVER = 4.0  # square of a cosine that no facet has
 def reflected_share(model: Masking, fresnel: Fresnel) -> Reflected:
     """The same function for equal models. What is known of a model is known of its kernels: a class may change them."""
     ndf, kind = model.ndf, type(fresnel)
-    parts = (type(ndf).kernel, model.view_kernel, model.shadowed_kernel, kind.kernel)
-    familiar, masked = type(ndf).regular, model.shadowed_kernel in MODELS and seen_as_usual(model)
+    parts = (type(ndf).kernel, model.Lambda_kernel, model.G2_of_facet, kind.kernel)
+    familiar, masked = type(ndf).regular, model.G2_of_facet in MODELS and Lambda_as_usual(model)
     effort = KNOWN if familiar and masked and kind.regular else UNKNOWN
-    rule = (ndf.reach, critical(fresnel), *effort.levels, bright(ndf.slope_scale))
-    parameters = (model.parameters, fresnel.parameters, ndf.slope_scale, *rule)
-    return Reflected((cuts_of(model), model.view_kernel, *parts), parameters, effort, ndf.isotropic and familiar and masked)
+    (first, levels), (scale_x, scale_y) = map(Count, effort.levels), ndf.slope_scale
+    rule = (scale_x, scale_y, ndf.reach, critical(fresnel), first, levels, Count(bright(ndf.slope_scale)))
+    parameters = AlbedoParameters(model.parameters.ndf, model.parameters.model, fresnel.parameters, *rule)
+    return Reflected((cuts_of(model), model.Lambda_kernel, *parts), parameters, effort, ndf.isotropic and familiar and masked)
 
 
-def seen_as_usual(model: Masking) -> bool:
-    """Whether masking knows of a direction what the library's models know: nothing, or Smith's Lambda."""
-    return model.view_kernel in (nothing, view_of(model.ndf))
+def Lambda_as_usual(model: Masking) -> bool:
+    """Whether Lambda is that of one of the library's models: none, or Smith's."""
+    return model.Lambda_kernel in (no_Lambda, Lambda_of(model.ndf))
 
 
 def cuts_of(model: Masking) -> Callable[..., float]:
     """The kernel that tells where a ray is cut."""
-    if model.shadowed_kernel is CAVITIES:
+    if model.G2_of_facet is CAVITIES:
         return cavity_creases
-    return equals if model.shadowed_kernel in BY_AZIMUTH else bright_light
+    return equals if model.G2_of_facet in BY_AZIMUTH else bright_light
 
 
-def bright(scale: tuple[float, float]) -> float:
+def bright(scale: tuple[float, float]) -> int:
     """Which of `bright_light` count: 0 none, 1 the zenith, 2 all."""
     low, high = sorted(scale)
-    return 2.0 if high > UNEQUAL * low else float(high > ROUGH)
+    return 2 if high > UNEQUAL * low else int(high > ROUGH)
 
 
 def critical(fresnel: Fresnel) -> float:

@@ -20,9 +20,9 @@ from microfacet import balls
 from microfacet.brdf.albedo import ROUNDING, Reflected, critical, tanh_sinh
 from microfacet.brdf.base import BRDF
 from microfacet.brdf.cosine_table import LOWEST, CosineTable, starts
-from microfacet.brdf.specular import Microfacet, evaluation_of, mu
+from microfacet.brdf.specular import Microfacet, mu
 from microfacet.directions import as_uniform, as_vectors, vectors
-from microfacet.kernels import Batch, ByPrecision
+from microfacet.kernels import Batch, ByPrecision, Vector
 from microfacet.material.fresnel import F0, Fresnel, c, schlick_F
 from microfacet.notation import raw
 from microfacet.statement import Equation
@@ -131,28 +131,41 @@ LEAST = ByPrecision(double=1e-17, single=1e-8)  # above 0: the lobe has light wh
 BETWEEN = 3.0  # the largest error, over that half way between nodes and at the ends
 
 
+class CompensatedParameters(NamedTuple):
+    """Those of one bounce; the slope scale; what `_widths` gives; the coefficients of the series; one factor."""
+
+    single: Any
+    scale_x: float
+    scale_y: float
+    width: float
+    upright: float
+    table: tuple[float, ...]
+    factor: float
+
+
 @cache
 def interpolation(steps: int, turns: int) -> Callable[..., float]:
     """-ln E, which is never negative, by a series in the root of z/(z + k r), r the length of the unstretched shadow, and in
     the cosine of twice its azimuth. The series is multiplied by what vanishes with the roughness, and its error with it."""
     last_step, last_turn = steps - 1, turns - 1
 
-    def dimming(x: float, y: float, z: float, alpha_x: float, alpha_y: float, widths: Any, table: Any) -> float:
-        across, along = (alpha_x * x) * (alpha_x * x), (alpha_y * y) * (alpha_y * y)
+    def dimming(w: Vector, p: CompensatedParameters) -> float:
+        (x, y, z), table = w, p.table
+        across, along = (p.scale_x * x) * (p.scale_x * x), (p.scale_y * y) * (p.scale_y * y)
         square = across + along
         r = sqrt(square)
-        s = 2.0 * sqrt(z / (z + widths[0] * r)) - 1.0
-        w = (across - along) / square if square > 0.0 else 0.0
+        s = 2.0 * sqrt(z / (z + p.width * r)) - 1.0
+        c = (across - along) / square if square > 0.0 else 0.0
         a1 = 0.0
         a2 = 0.0
         for k in range(last_step, -1, -1):
             b1 = 0.0
             b2 = 0.0
             for j in range(last_turn, 0, -1):
-                b1, b2 = 2.0 * w * b1 - b2 + table[k * turns + j], b1
-            row = w * b1 - b2 + table[k * turns]
+                b1, b2 = 2.0 * c * b1 - b2 + table[k * turns + j], b1
+            row = c * b1 - b2 + table[k * turns]
             a1, a2 = (2.0 * s * a1 - a2 + row, a1) if k > 0 else (s * a1 - a2 + row, a1)
-        leaning = r + widths[1] * z
+        leaning = r + p.upright * z
         return max(a1, LEAST) * (leaning / (z + leaning))
 
     return dimming
@@ -276,23 +289,20 @@ def mean_reflectance(fresnel: Fresnel) -> tuple[float, float]:
 
 @cache
 def compensated(single: Callable[..., float], form: str, steps: int, turns: int) -> Batch:
-    """The loop of the whole BRDF. Parameters: those of one bounce's, (alpha_x, alpha_y), widths, the table, one factor."""
+    """The loop of the whole BRDF. single: the kernel of one bounce's."""
     dimming = interpolation(steps, turns)
 
-    def with_lobe(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
-        if not (oz > 0.0 and iz > 0.0):
+    def with_lobe(wo: Vector, wi: Vector, p: CompensatedParameters) -> float:
+        if not (wo[2] > 0.0 and wi[2] > 0.0):
             return 0.0
-        alpha_x, alpha_y = p[1]
-        lacked_o = expm1(-dimming(ox, oy, oz, alpha_x, alpha_y, p[2], p[3]))
-        lacked_i = expm1(-dimming(ix, iy, iz, alpha_x, alpha_y, p[2], p[3]))
-        return single(ox, oy, oz, ix, iy, iz, p[0]) + (p[4][0] * lacked_o) * lacked_i
+        lacked_o, lacked_i = expm1(-dimming(wo, p)), expm1(-dimming(wi, p))
+        return single(wo, wi, p.single) + (p.factor * lacked_o) * lacked_i
 
-    def scaled(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
-        if not (oz > 0.0 and iz > 0.0):
+    def scaled(wo: Vector, wi: Vector, p: CompensatedParameters) -> float:
+        if not (wo[2] > 0.0 and wi[2] > 0.0):
             return 0.0
-        alpha_x, alpha_y = p[1]
-        kept = exp(-dimming(ox, oy, oz, alpha_x, alpha_y, p[2], p[3]))
-        return single(ox, oy, oz, ix, iy, iz, p[0]) * stated_scale(p[4][0], kept)
+        kept = exp(-dimming(wo, p))
+        return single(wo, wi, p.single) * stated_scale(p.factor, kept)
 
     return over_pairs(with_lobe if form == "lobe" else scaled)
 
@@ -305,9 +315,8 @@ def series(steps: int, turns: int) -> Batch:
     """-ln E of a direction, with the parameters of `compensated`."""
     dimming = interpolation(steps, turns)
 
-    def dimmed(x: float, y: float, z: float, p: Any) -> float:
-        alpha_x, alpha_y = p[1]
-        return dimming(x, y, z, alpha_x, alpha_y, p[2], p[3]) if z > 0.0 else 0.0
+    def dimmed(w: Vector, p: CompensatedParameters) -> float:
+        return dimming(w, p) if w[2] > 0.0 else 0.0
 
     return Batch(dimmed, [3])
 
@@ -342,8 +351,9 @@ class Compensated(BRDF):
         self._mean_F = mean_reflectance(brdf.fresnel)
         self.added, self.added_error = self._added(found.off)
         self._factor = self.added / (pi * missing) if form == "lobe" and missing > 0 else self.added
-        single, parameters = evaluation_of(brdf.model, brdf.fresnel)
-        self.parameters = (parameters, (alpha_x, alpha_y), _widths(alpha_x, alpha_y), table, (self._factor,))
+        single, parameters = brdf.evaluation
+        widths = _widths(alpha_x, alpha_y)
+        self.parameters = CompensatedParameters(parameters, alpha_x, alpha_y, *widths, table, self._factor)
         self._batch = compensated(single.function, form, steps, turns)
         self._series, self._heights = series(steps, turns), CosineTable(found.heights)
 

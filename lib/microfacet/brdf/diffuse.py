@@ -16,7 +16,7 @@ from microfacet.brdf.base import BRDF
 from microfacet.brdf.cosine_table import CosineTable
 from microfacet.directions import as_vectors, positive, spherical
 from microfacet.geometry.slopes import P22_at_m, normals_from_slopes, normals_integral, solid_angle
-from microfacet.kernels import Batch
+from microfacet.kernels import Batch, Pair, Vector
 from microfacet.notation import G1, G2, P22, chi, mu_i, mu_o, phi, phi_i, raw, theta_i, theta_o, wm, x, y
 from microfacet.statement import Equation
 from microfacet.visibility.masking import Masking
@@ -147,73 +147,68 @@ ROUNDING = 1e-13  # of a sum of some 10^4 terms
 SMALL = 0.01  # of the radius up to which facets count: what changes within less hardly counts
 SPAN = 2.5  # logarithm of the radius that one piece of a ray extends over at most
 AGREE = 1e-6  # of a ray's integral, by which two rules may differ on a piece
-SHORTEST, PIECES = 1e-3, 200.0
+SHORTEST, PIECES = 1e-3, 200
 NEVER = 1e-30  # slope over that of an edge on: less changes nothing
 ENDED, FARTHEST = 1e-10, 7.0  # a piece of so little of the integral ends a ray, beyond that logarithm of the radius
 ABSCISSAE, BY_KRONROD, BY_GAUSS = (tuple(map(float, part)) for part in (PLACES, KRONROD, GAUSS))
 
 
+class MattParameters(NamedTuple):
+    """Those of distribution and masking; the slope scale, and its multiple beyond which hardly any slopes lie."""
+
+    ndf: Any
+    model: Any
+    scale_x: float
+    scale_y: float
+    reach: float
+
+
+class Ray(NamedTuple):
+    """Slopes along which light is summed, for a view and a light direction: how slopes change along it; the slope over that at
+    which a facet is edge on, for either direction; Lambda of both, and they."""
+
+    dx: float
+    dy: float
+    lean_o: float
+    lean_i: float
+    Lambda_o: float
+    Lambda_i: float
+    wo: Vector
+    wi: Vector
+
+
 @cache
-def light_rule(normals: Callable[..., float], shadowed: Callable[..., float]) -> Callable[..., float]:
+def light_rule(D: Callable[..., float], G2: Callable[..., float]) -> Callable[..., float]:
     """What is integrated over unstretched slopes, at a radius along a ray."""
 
-    def light(
-        r: float,
-        dx: float,
-        dy: float,
-        lean_o: float,
-        lean_i: float,
-        seen: float,
-        lit: float,
-        ox: float,
-        oy: float,
-        oz: float,
-        ix: float,
-        iy: float,
-        iz: float,
-        p: Any,
-    ) -> float:
-        shown, shone = 1.0 - r * lean_o, 1.0 - r * lean_i
+    def light(r: float, ray: Ray, p: MattParameters) -> float:
+        shown, shone = 1.0 - r * ray.lean_o, 1.0 - r * ray.lean_i
         if not (shown > 0.0 and shone > 0.0):
             return 0.0
-        x, y = r * dx, r * dy
+        x, y = r * ray.dx, r * ray.dy
         mz = 1.0 / sqrt(1.0 + x * x + y * y)
-        both = shadowed(seen, lit, mz * oz * shown, mz * iz * shone, ox, oy, oz, ix, iy, iz, mz, p[0])
-        return both * shown * shone * mz * normals(-x * mz, -y * mz, mz, p[0][0]) * ((mz * mz) * (mz * mz))
+        wm = (-x * mz, -y * mz, mz)
+        om, im = mz * ray.wo[2] * shown, mz * ray.wi[2] * shone
+        both = G2(ray.Lambda_o, ray.Lambda_i, om, im, ray.wo, ray.wi, wm, p)
+        return both * shown * shone * mz * D(wm, p.ndf) * ((mz * mz) * (mz * mz))
 
     return light
 
 
 @cache
-def piece_rule(normals: Callable[..., float], shadowed: Callable[..., float]) -> Callable[..., tuple[float, float]]:
-    """The integral along a piece of a ray by Kronrod's rule, in the radius or in its logarithm, and how far Gauss's differs."""
-    light = light_rule(normals, shadowed)
+def piece_rule(D: Callable[..., float], G2: Callable[..., float]) -> Callable[..., Pair]:
+    """The integral along a piece of a ray by Kronrod's rule, and how far Gauss's differs; in the radius if `even`, else in its
+    logarithm."""
+    light = light_rule(D, G2)
 
-    def piece(
-        start: float,
-        stop: float,
-        even: float,
-        dx: float,
-        dy: float,
-        lean_o: float,
-        lean_i: float,
-        seen: float,
-        lit: float,
-        ox: float,
-        oy: float,
-        oz: float,
-        ix: float,
-        iy: float,
-        iz: float,
-        p: Any,
-    ) -> tuple[float, float]:
+    def piece(start: float, stop: float, even: bool, ray: Ray, p: MattParameters) -> Pair:
         half, middle = 0.5 * (stop - start), 0.5 * (stop + start)
         fine, coarse = 0.0, 0.0
         for k in range(15):
             at = middle + half * ABSCISSAE[k]
-            r = at if even > 0.0 else exp(at)
-            value = half * r * light(r, dx, dy, lean_o, lean_i, seen, lit, ox, oy, oz, ix, iy, iz, p)
-            if even == 0.0:
+            r = at if even else exp(at)
+            value = half * r * light(r, ray, p)
+            if not even:
                 value *= r
             fine += BY_KRONROD[k] * value
             coarse += BY_GAUSS[k] * value
@@ -231,42 +226,31 @@ def next_end(start: float, span: float, one: float, two: float, last: float) -> 
 
 
 @cache
-def ray_rule(normals: Callable[..., float], shadowed: Callable[..., float]) -> Callable[..., tuple[float, float]]:
+def ray_rule(D: Callable[..., float], G2: Callable[..., float]) -> Callable[..., Pair]:
     """The integral along one ray per its angle, and its error.
 
     The first piece is even in the radius, the others are in its logarithm. One ends where a ray leaves what is seen or lit, and
     where a slope is as steep the other way, from which on V-cavities mask. Pieces are halved while both rules differ.
     lean_o, lean_i: the slope along the ray over that at which a facet is seen edge on.
     """
-    piece = piece_rule(normals, shadowed)
+    piece = piece_rule(D, G2)
 
     def along(
-        du: float,
-        dv: float,
-        lean_o: float,
-        lean_i: float,
-        seen: float,
-        lit: float,
-        ox: float,
-        oy: float,
-        oz: float,
-        ix: float,
-        iy: float,
-        iz: float,
-        p: Any,
-    ) -> tuple[float, float]:
-        dx, dy = p[1][0] * du, p[1][1] * dv
+        turn: Pair, lean_o: float, lean_i: float, Lambda_o: float, Lambda_i: float, wo: Vector, wi: Vector, p: MattParameters
+    ) -> Pair:
+        dx, dy = p.scale_x * turn[0], p.scale_y * turn[1]
+        ray = Ray(dx, dy, lean_o, lean_i, Lambda_o, Lambda_i, wo, wi)
         steepest, backward = max(lean_o, lean_i), max(-lean_o, -lean_i)
-        end = min(1.0 / steepest, p[2]) if steepest > 0.0 else p[2]
+        end = min(1.0 / steepest, p.reach) if steepest > 0.0 else p.reach
         one, two, last = -log(max(abs(lean_o), NEVER)), -log(max(abs(lean_i), NEVER)), log(end)
         first = 0.5 * min(1.0, end) * max(SMALL, 1.0 / max(sqrt(dx * dx + dy * dy), backward, 1.0))
-        total, error = piece(0.0, first, 1.0, dx, dy, lean_o, lean_i, seen, lit, ox, oy, oz, ix, iy, iz, p)
+        total, error = piece(0.0, first, True, ray, p)
         start, span, part = log(first), SPAN, total
-        for _ in range(int(PIECES)):
+        for _ in range(PIECES):
             if start >= last or (start > FARTHEST and part <= ENDED * total):
                 break
             stop = next_end(start, span, one, two, last)
-            part, off = piece(start, stop, 0.0, dx, dy, lean_o, lean_i, seen, lit, ox, oy, oz, ix, iy, iz, p)
+            part, off = piece(start, stop, False, ray, p)
             if off > AGREE * (total + part) and stop - start > SHORTEST:
                 span, part = 0.5 * (stop - start), total
             else:
@@ -277,14 +261,14 @@ def ray_rule(normals: Callable[..., float], shadowed: Callable[..., float]) -> C
 
 
 @cache
-def ray_batch(normals: Callable[..., float], shadowed: Callable[..., float]) -> Batch:
-    """Rays (n, 2), what they lean towards both directions, what is known of these, and they: integrals and errors (n, 2)."""
-    return Batch(ray_rule(normals, shadowed), [2, 1, 1, 1, 1, 3, 3], 2)
+def ray_batch(D: Callable[..., float], G2: Callable[..., float]) -> Batch:
+    """Rays (n, 2), what they lean towards both directions, Lambda of these, and they: integrals and errors (n, 2)."""
+    return Batch(ray_rule(D, G2), [2, 1, 1, 1, 1, 3, 3], 2)
 
 
 @cache
-def view_batch(view: Callable[..., float]) -> Batch:
-    return Batch(view, [3])
+def Lambda_batch(Lambda: Callable[..., float]) -> Batch:
+    return Batch(Lambda, [3])
 
 
 # --- all rays of a pair of directions ---------------------------------------------------------------------------------
@@ -435,7 +419,7 @@ class Diffuse(BRDF):
         if positive("albedo", albedo) > 1:
             raise ValueError(f"albedo must lie in (0, 1], got {albedo}")
         self.model, self.facet_albedo = model, float(albedo)
-        self._batch = ray_batch(type(model.ndf).kernel, model.G2_of_cosines)
+        self._batch = ray_batch(type(model.ndf).kernel, model.G2_kernel)
 
     def evaluate(self, wo: ArrayLike, wi: ArrayLike) -> NDArray[Any]:
         """The BRDF, 1/sr, shapes (..., 3) -> (...); 0 if either direction is below the horizon. oren1994."""
@@ -483,8 +467,8 @@ class Diffuse(BRDF):
     def _over_rays(self, o: np.ndarray, i: np.ndarray) -> np.ndarray:
         """Values and errors (2, n): panels are halved until these add up to the tolerance."""
         count, scale = len(o), self.model.ndf.slope_scale
-        view = view_batch(self.model.view_kernel)
-        known = [view([w], self.model.parameters) for w in (o, i)]
+        Lambda = Lambda_batch(self.model.Lambda_kernel)
+        known = [Lambda([w], self.model.parameters) for w in (o, i)]
         panels = first_panels(o, i, scale)
         sums = self._summed(panels, o, i, known)
         for _ in range(ROUNDS):
@@ -505,7 +489,7 @@ class Diffuse(BRDF):
         rays, leans, turned = panels.rays()
         pair = panels.pair[:, None]
         arrays = [rays, leans[..., 0], leans[..., 1], *(part[pair] for part in (*known, o, i))]
-        parameters = (self.model.parameters, self.model.ndf.slope_scale, self.model.ndf.reach)
+        parameters = MattParameters(*self.model.parameters, *self.model.ndf.slope_scale, self.model.ndf.reach)
         values, errors = np.moveaxis(self._batch(arrays, parameters), -1, 0) * turned
         return np.stack([values @ KRONROD, abs(values @ (KRONROD - GAUSS)), errors @ KRONROD])
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from microfacet.geometry.ggx import GGX
+from microfacet.geometry.roughness import Alphas
 from microfacet.geometry.slopes import alpha_of
 from microfacet.geometry.visible_normals import unstretched
 from microfacet.visibility.smith import Smith
@@ -76,7 +77,7 @@ class SecondFacets:
         """Normals of GGX that the view sees, for even numbers: its last is kept as its distance from 1. dupuy2023."""
         alpha = alpha_of(self.model.ndf)
         ox, oy, oz = map(float, self.wo)
-        x, y, z = unstretched(ox, oy, oz, *alpha)
+        x, y, z = unstretched((ox, oy, oz), Alphas(*alpha))
         above = steep * (1 + z)
         radius = np.sqrt((above + (x * x + y * y) / (1 + z)) * ((1 - steep) * (1 + z)))
         angle = 2 * np.pi * turn

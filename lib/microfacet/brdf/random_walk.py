@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from math import expm1, log1p, sqrt
+from math import expm1, log1p
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,13 +19,13 @@ from numpy.typing import ArrayLike, NDArray
 from microfacet import balls
 from microfacet.brdf.base import BRDF
 from microfacet.brdf.later_bounces import SecondFacets
-from microfacet.brdf.specular import D_h, Microfacet, mu
+from microfacet.brdf.specular import BRDFParameters, D_h, Microfacet, added, divided, mu
 from microfacet.confidence import mean_bound
 from microfacet.directions import as_uniform, as_vectors, whole
 from microfacet.geometry import ggx
 from microfacet.geometry.facets import ggx_facet
 from microfacet.geometry.ggx import GGX
-from microfacet.kernels import Batch
+from microfacet.kernels import Batch, Count, Pair, Vector
 from microfacet.material.fresnel import Fresnel, Mirror
 from microfacet.notation import F, Lambda_i, Lambda_o, a, chi, om, raw, u, v
 from microfacet.statement import Equation
@@ -165,142 +165,151 @@ LONGEST = 1000  # bounces after which a walk is given up; its light counts as un
 stated_down, stated_up, stated_phase, stated_survival = step_down.scalar, step_up.scalar, phase.scalar, survival.scalar
 
 
-@cache
-def next_height(view: Callable[..., float]) -> Callable[..., float]:
-    """The height at which a ray from height u along (x, y, z) meets a facet; 1 or more if it leaves."""
+class WalkParameters(NamedTuple):
+    """Those of the BRDF, and which walks are made: from the first on, and not the last."""
 
-    def height(u: float, x: float, y: float, z: float, chance: float, p: Any) -> float:
-        if not z > 0.0:
-            return stated_down(u, chance, view(x, y, z, p))
-        Lambda = view(x, y, z, p)
-        return stated_up(u, chance, Lambda) if Lambda > 0.0 else 2.0
+    ndf: Any
+    model: Any
+    fresnel: Any
+    first: int
+    last: int
+
+
+Ended = tuple[float, float, float, float, float]  # a direction, a weight, and the number of bounces
+
+
+def mirrored(w: Vector, wm: Vector) -> tuple[Vector, float]:
+    """Where a ray along w goes from a facet that it meets, and the cosine between its origin and the facet's normal."""
+    cosine = -(w[0] * wm[0] + w[1] * wm[1] + w[2] * wm[2])
+    return (w[0] + 2.0 * cosine * wm[0], w[1] + 2.0 * cosine * wm[1], w[2] + 2.0 * cosine * wm[2]), cosine
+
+
+def opposite(w: Vector) -> Vector:
+    return -w[0], -w[1], -w[2]
+
+
+@cache
+def next_height(Lambda: Callable[..., float]) -> Callable[..., float]:
+    """The height at which a ray from height u along w meets a facet; 1 or more if it leaves."""
+
+    def height(u: float, w: Vector, chance: float, p: BRDFParameters) -> float:
+        if not w[2] > 0.0:
+            return stated_down(u, chance, Lambda(w, p))
+        Lambda_w = Lambda(w, p)
+        return stated_up(u, chance, Lambda_w) if Lambda_w > 0.0 else 2.0
 
     return height
 
 
 @cache
-def following(view: Callable[..., float], facet: Callable[..., Any], fresnel: Callable[..., float]) -> Callable[..., Any]:
-    """Where a walk ends that meets a facet at height u along (x, y, z), with what weight, after how many bounces."""
-    height = next_height(view)
+def following(Lambda: Callable[..., float], facet: Callable[..., Any], fresnel: Callable[..., float]) -> Callable[..., Any]:
+    """Where a walk ends that meets a facet at height u along w, with what weight, after how many bounces."""
+    height = next_height(Lambda)
 
-    def followed(
-        x: float, y: float, z: float, u: float, u1: float, u2: float, p: Any
-    ) -> tuple[float, float, float, float, float]:
-        key = stream(u1, u2, 0)
+    def followed(w: Vector, u: float, start: Pair, p: BRDFParameters) -> Ended:
+        key = stream(start[0], start[1], 0)
         weight = 1.0
         for bounce in range(LONGEST):
             at = STRIDE * bounce
-            mx, my, mz = facet(-x, -y, -z, drawn(key, at + 1), drawn(key, at + 2), key, at + 3, p[0][0])
-            cosine = -(x * mx + y * my + z * mz)
-            weight *= fresnel(min(max(cosine, 0.0), 1.0), p[1])
-            x, y, z = x + 2.0 * cosine * mx, y + 2.0 * cosine * my, z + 2.0 * cosine * mz
-            u = height(u, x, y, z, drawn(key, at + STRIDE), p[0])
-            if z > 0.0 and not u < 1.0:
-                return x, y, z, weight, bounce + 1.0
+            wm = facet(opposite(w), (drawn(key, at + 1), drawn(key, at + 2)), key, at + 3, p.ndf)
+            w, cosine = mirrored(w, wm)
+            weight *= fresnel(min(max(cosine, 0.0), 1.0), p.fresnel)
+            u = height(u, w, drawn(key, at + STRIDE), p)
+            if w[2] > 0.0 and not u < 1.0:
+                return w[0], w[1], w[2], weight, bounce + 1.0
         return 0.0, 0.0, 0.0, weight, LONGEST * 1.0
 
     return followed
 
 
 @cache
-def walk(view: Callable[..., float], facet: Callable[..., Any], fresnel: Callable[..., float]) -> Batch:
+def walk(Lambda: Callable[..., float], facet: Callable[..., Any], fresnel: Callable[..., float]) -> Batch:
     """Where a walk from wo ends, with what weight, after how many bounces: (..., 3), (..., 2) -> (..., 5)."""
-    height, followed = next_height(view), following(view, facet, fresnel)
+    height, followed = next_height(Lambda), following(Lambda, facet, fresnel)
 
-    def walked(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float, float, float]:
-        if not oz > 0.0:
+    def walked(wo: Vector, start: Pair, p: BRDFParameters) -> Ended:
+        if not wo[2] > 0.0:
             return 0.0, 0.0, 0.0, 0.0, 0.0
-        u = height(1.0, -ox, -oy, -oz, drawn(stream(u1, u2, 0), 0), p[0])
-        return followed(-ox, -oy, -oz, u, u1, u2, p)
+        u = height(1.0, opposite(wo), drawn(stream(start[0], start[1], 0), 0), p)
+        return followed(opposite(wo), u, start, p)
 
     return Batch(walked, [3, 2], 5)
 
 
 @cache
-def onward(view: Callable[..., float], facet: Callable[..., Any], fresnel: Callable[..., float]) -> Batch:
+def onward(Lambda: Callable[..., float], facet: Callable[..., Any], fresnel: Callable[..., float]) -> Batch:
     """The same for a walk that meets a facet at a height along a direction: (..., 3), (...), (..., 2) -> (..., 5)."""
-    return Batch(following(view, facet, fresnel), [3, 1, 2], 5)
+    return Batch(following(Lambda, facet, fresnel), [3, 1, 2], 5)
 
 
 @cache
-def steeper(normals: Callable[..., float], view: Callable[..., float]) -> Callable[..., tuple[float, float, float, float]]:
+def steeper(D: Callable[..., float], Lambda: Callable[..., float]) -> Callable[..., tuple[Vector, float]]:
     """A facet that faces a direction above the horizon, steep ones more often, and how much less each of them counts.
 
     They are drawn as facets of GGX, of which more are steep than of any other distribution here.
     """
-    ggx_normals, ggx_view = GGX.kernel, GGX.closed_Lambda
+    ggx_D, ggx_Lambda = GGX.kernel, GGX.closed_Lambda
 
-    def drawn_steep(x: float, y: float, z: float, u1: float, u2: float, p: Any) -> tuple[float, float, float, float]:
-        alpha = min(p[0][0], p[0][1])
+    def drawn_steep(w: Vector, u: Pair, p: BRDFParameters) -> tuple[Vector, float]:
+        alpha = min(p.ndf.alpha_x, p.ndf.alpha_y)
         steep = alpha * alpha
         span = log1p(1.0 / steep)
-        rest = steep * expm1(span * u2)
-        mx, my, mz = ggx_facet(x, y, z, u1, max(1.0 - rest, 0.0), 0, 0, p[0])
-        often = ggx_normals(mx, my, mz, p[0]) / (1.0 + ggx_view(x, y, z, p[0]))
-        wanted = normals(mx, my, mz, p[0]) / (1.0 + view(x, y, z, p))
-        return mx, my, mz, (rest + steep) * span * (wanted / often if often > 0.0 else 0.0)
+        rest = steep * expm1(span * u[1])
+        wm = ggx_facet(w, (u[0], max(1.0 - rest, 0.0)), 0, 0, p.ndf)
+        often = ggx_D(wm, p.ndf) / (1.0 + ggx_Lambda(w, p.ndf))
+        wanted = D(wm, p.ndf) / (1.0 + Lambda(w, p))
+        return wm, (rest + steep) * span * (wanted / often if often > 0.0 else 0.0)
 
     return drawn_steep
 
 
 @cache
-def connecting(
-    normals: Callable[..., float], view: Callable[..., float], fresnel: Callable[..., float]
-) -> Callable[..., float]:
-    """What the facet that a ray along (x, y, z) meets at height u sends to (ix, iy, iz), as a BRDF."""
+def connecting(D: Callable[..., float], Lambda: Callable[..., float], fresnel: Callable[..., float]) -> Callable[..., float]:
+    """What the facet that a ray along w meets at height u sends to wi, as a BRDF."""
 
-    def sends(x: float, y: float, z: float, ix: float, iy: float, iz: float, u: float, lit: float, p: Any) -> float:
-        hx, hy, hz = ix - x, iy - y, iz - z
-        length = sqrt(hx * hx + hy * hy + hz * hz)
-        if not hz > 0.0:
+    def sends(w: Vector, wi: Vector, u: float, Lambda_i: float, p: BRDFParameters) -> float:
+        h, length = added(opposite(w), wi)
+        if not h[2] > 0.0:
             return 0.0
-        cosine = min(0.5 * length, 1.0)
-        density = normals(hx / length, hy / length, hz / length, p[0][0])
-        masked = view(x, y, z, p[0])
-        area = -z * (1.0 + masked) if z < 0.0 else z * masked
-        return stated_phase(fresnel(cosine, p[1]), density, area, cosine) * stated_survival(lit, u) / iz
+        wh, cosine = divided(h, length), min(0.5 * length, 1.0)
+        Lambda_w = Lambda(w, p)
+        area = -w[2] * (1.0 + Lambda_w) if w[2] < 0.0 else w[2] * Lambda_w
+        return stated_phase(fresnel(cosine, p.fresnel), D(wh, p.ndf), area, cosine) * stated_survival(Lambda_i, u) / wi[2]
 
     return sends
 
 
 @cache
 def going_on(
-    normals: Callable[..., float],
-    view: Callable[..., float],
-    facet: Callable[..., Any],
-    fresnel: Callable[..., float],
+    D: Callable[..., float], Lambda: Callable[..., float], facet: Callable[..., Any], fresnel: Callable[..., float]
 ) -> Callable[..., float]:
-    """What a walk from (ox, oy, oz) that goes on after the first bounce sends to (ix, iy, iz) from all later facets.
+    """What a walk from wo that goes on after the first bounce sends to wi from all later facets.
 
     It counts as much as its chance to go on.
     """
-    height, sends, first_facet = next_height(view), connecting(normals, view, fresnel), steeper(normals, view)
+    height, sends, first_facet = next_height(Lambda), connecting(D, Lambda, fresnel), steeper(D, Lambda)
 
-    def later(
-        ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, u: float, lit: float, key: int, p: Any
-    ) -> float:
-        x, y, z = -ox, -oy, -oz
-        seen = view(ox, oy, oz, p[0])
+    def later(wo: Vector, wi: Vector, u: float, Lambda_i: float, key: int, p: BRDFParameters) -> float:
+        w, Lambda_o = opposite(wo), Lambda(wo, p)
         weight, several = 1.0, 0.0
         for bounce in range(LONGEST):
             at = STRIDE * bounce
             if bounce == 0:
-                mx, my, mz, weight = first_facet(ox, oy, oz, drawn(key, 1), drawn(key, 2), p[0])
+                wm, weight = first_facet(wo, (drawn(key, 1), drawn(key, 2)), p)
             else:
-                mx, my, mz = facet(-x, -y, -z, drawn(key, at + 1), drawn(key, at + 2), key, at + 3, p[0][0])
-            cosine = -(x * mx + y * my + z * mz)
-            weight *= fresnel(min(max(cosine, 0.0), 1.0), p[1])
-            x, y, z = x + 2.0 * cosine * mx, y + 2.0 * cosine * my, z + 2.0 * cosine * mz
+                wm = facet(opposite(w), (drawn(key, at + 1), drawn(key, at + 2)), key, at + 3, p.ndf)
+            w, cosine = mirrored(w, wm)
+            weight *= fresnel(min(max(cosine, 0.0), 1.0), p.fresnel)
             chance = drawn(key, at + STRIDE)
-            if bounce == 0 and z > 0.0:
-                hidden = view(x, y, z, p[0])
-                weight *= 1.0 / (1.0 + (1.0 + seen) / hidden) if hidden > 0.0 else 0.0
-                u = chance ** (1.0 / (1.0 + seen))
+            if bounce == 0 and w[2] > 0.0:
+                Lambda_w = Lambda(w, p)
+                weight *= 1.0 / (1.0 + (1.0 + Lambda_o) / Lambda_w) if Lambda_w > 0.0 else 0.0
+                u = chance ** (1.0 / (1.0 + Lambda_o))
             else:
-                u = height(u, x, y, z, chance, p[0])
-            if (z > 0.0 and not u < 1.0) or not weight > 0.0:
+                u = height(u, w, chance, p)
+            if (w[2] > 0.0 and not u < 1.0) or not weight > 0.0:
                 return several
-            several += weight * sends(x, y, z, ix, iy, iz, u, lit, p)
+            several += weight * sends(w, wi, u, Lambda_i, p)
         return several
 
     return later
@@ -308,31 +317,25 @@ def going_on(
 
 @cache
 def connections(
-    normals: Callable[..., float],
-    view: Callable[..., float],
-    facet: Callable[..., Any],
-    fresnel: Callable[..., float],
+    D: Callable[..., float], Lambda: Callable[..., float], facet: Callable[..., Any], fresnel: Callable[..., float]
 ) -> Batch:
     """What walks from wo send to wi from each facet they meet, as a BRDF: (..., 3), (..., 3), (..., 2) -> (..., 5).
 
     Sums over the walks of the first bounce and of all later ones, of the squares of these, and the most that one walk sends
     later.
     """
-    height, sends = next_height(view), connecting(normals, view, fresnel)
-    later = going_on(normals, view, facet, fresnel)
+    height, sends, later = next_height(Lambda), connecting(D, Lambda, fresnel), going_on(D, Lambda, facet, fresnel)
 
-    def sent(
-        ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, u1: float, u2: float, p: Any
-    ) -> tuple[float, float, float, float, float]:
+    def sent(wo: Vector, wi: Vector, start: Pair, p: WalkParameters) -> tuple[float, float, float, float, float]:
         once, often, once_squared, often_squared, most = 0.0, 0.0, 0.0, 0.0, 0.0
-        if not (oz > 0.0 and iz > 0.0):
+        if not (wo[2] > 0.0 and wi[2] > 0.0):
             return once, often, once_squared, often_squared, most
-        lit = view(ix, iy, iz, p[0])
-        for number in range(int(p[2][0]), int(p[2][1])):
-            key = stream(u1, u2, number)
-            u = height(1.0, -ox, -oy, -oz, drawn(key, 0), p[0])
-            single = sends(-ox, -oy, -oz, ix, iy, iz, u, lit, p)
-            several = later(ox, oy, oz, ix, iy, iz, u, lit, key, p)
+        Lambda_i = Lambda(wi, p)
+        for number in range(p.first, p.last):
+            key = stream(start[0], start[1], number)
+            u = height(1.0, opposite(wo), drawn(key, 0), p)
+            single = sends(opposite(wo), wi, u, Lambda_i, p)
+            several = later(wo, wi, u, Lambda_i, key, p)
             once += single
             often += several
             once_squared += single * single
@@ -421,7 +424,7 @@ class RandomWalk(BRDF):
         self.single.require_numbers("RandomWalk")
         self.model, self.fresnel = model, self.single.fresnel
         self.parameters = self.single.parameters
-        self._kernels = (model.view_kernel, facet, type(self.fresnel).kernel)
+        self._kernels = (model.Lambda_kernel, facet, type(self.fresnel).kernel)
 
     def walk(self, wo: ArrayLike, u: ArrayLike) -> Walks:
         """Walks from wo (..., 3), one for each u (..., 2) in [0, 1): where light leaves, its weight, its bounces.
@@ -477,7 +480,8 @@ class RandomWalk(BRDF):
         rule = connections(type(self.model.ndf).kernel, *self._kernels)
         arrays, found = [wo.astype(float), wi.astype(float), u], np.zeros((*shape, 5))
         for start in range(0, count, IN_A_ROW):
-            part = rule(arrays, (*self.parameters, (float(start), float(min(start + IN_A_ROW, count)))))
+            walks_made = Count(start), Count(min(start + IN_A_ROW, count))
+            part = rule(arrays, WalkParameters(*self.parameters, *walks_made))
             found[..., :4] += part[..., :4]
             found[..., 4] = np.maximum(found[..., 4], part[..., 4])
         return found / [count, count, count, count, 1]

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
+from functools import cache, cached_property
 from math import sqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import sympy as sp
@@ -17,7 +17,7 @@ from microfacet.brdf.base import BRDF
 from microfacet.directions import as_vectors, uniform, vectors
 from microfacet.geometry.slopes import drawn_from, excess_over_drawn
 from microfacet.geometry.visible_normals import HORIZON
-from microfacet.kernels import Batch, ByPrecision, Parameters
+from microfacet.kernels import Batch, ByPrecision, Pair, Parameters, Vector
 from microfacet.material.fresnel import Fresnel, Mirror
 from microfacet.material.reflection import half_vector, i_vector, o_vector, reflected, weak_furnace
 from microfacet.notation import G1, D, F, Lambda_i, Lambda_o, im, mu_i, mu_o, om, raw
@@ -25,7 +25,7 @@ from microfacet.parameters import Parametric, together
 from microfacet.proofs import under_integral
 from microfacet.statement import Equation
 from microfacet.visibility import shadowing, unphysical, v_cavity
-from microfacet.visibility.masking import Masking, over_pairs
+from microfacet.visibility.masking import Masking, ModelParameters, dot, over_pairs
 from microfacet.visibility.smith import Smith
 
 G1_h = raw("G1_h", r"G_1(\omega_o, \omega_h)", positive=True)
@@ -179,62 +179,73 @@ stated_rho, stated_density = complete.scalar, reflected.scalar
 BELOW = ByPrecision(double=1 - 2.0**-52, single=1 - 2.0**-23)  # of a height: a facet on edge still lies above the plane
 
 
+class BRDFParameters(NamedTuple):
+    """What the kernels of a BRDF take last: the parameters of distribution, masking and reflectance."""
+
+    ndf: Any
+    model: Any
+    fresnel: Any
+
+
+class LobeParameters(NamedTuple):
+    """The same where a distribution has all but F as one kernel, the lobe."""
+
+    lobe: Any
+    fresnel: Any
+
+
+def added(wo: Vector, wi: Vector) -> tuple[Vector, float]:
+    """wo + wi and its length, half of which is the cosine of both with the half vector."""
+    hx, hy, hz = wo[0] + wi[0], wo[1] + wi[1], wo[2] + wi[2]
+    return (hx, hy, hz), sqrt(hx * hx + hy * hy + hz * hz)
+
+
+def divided(v: Vector, length: float) -> Vector:
+    return v[0] / length, v[1] / length, v[2] / length
+
+
 @cache
 def evaluation(
-    normals: Callable[..., float], view: Callable[..., float], shadowed: Callable[..., float], fresnel: Callable[..., float]
+    D: Callable[..., float], Lambda: Callable[..., float], G2: Callable[..., float], F: Callable[..., float]
 ) -> Batch:
     """The BRDF part by part; D last, since it alone may be too small for a number: then `pdf` is 0 as well."""
 
-    def evaluate(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
-        hx, hy, hz = ox + ix, oy + iy, oz + iz
-        length = sqrt(hx * hx + hy * hy + hz * hz)
-        if not (oz > HORIZON and iz > HORIZON and length > 0.0):
+    def evaluate(wo: Vector, wi: Vector, p: BRDFParameters) -> float:
+        h, length = added(wo, wi)
+        if not (wo[2] > HORIZON and wi[2] > HORIZON and length > 0.0):
             return 0.0
-        hx, hy, hz = hx / length, hy / length, hz / length
-        cosine = min(0.5 * length, 1.0)
-        seen, lit = view(ox, oy, oz, p[0]), view(ix, iy, iz, p[0])
-        G2 = shadowed(seen, lit, cosine, cosine, ox, oy, oz, ix, iy, iz, hz, p[0])
-        return stated_rho(fresnel(cosine, p[1]), G2, 1.0, oz, iz) * normals(hx, hy, hz, p[0][0])
+        wh, cosine = divided(h, length), min(0.5 * length, 1.0)
+        shadowing = G2(Lambda(wo, p), Lambda(wi, p), cosine, cosine, wo, wi, wh, p)
+        return stated_rho(F(cosine, p.fresnel), shadowing, 1.0, wo[2], wi[2]) * D(wh, p.ndf)
 
     return over_pairs(evaluate)
 
 
 @cache
-def joined_evaluation(fresnel: Callable[..., float], lobe: Callable[..., float]) -> Batch:
-    """The same where a distribution has all but F as one kernel. Parameters: those of the lobe, and of the reflectance."""
+def joined_evaluation(lobe: Callable[..., float], F: Callable[..., float]) -> Batch:
+    """The same where a distribution has all but F as one kernel."""
 
-    def evaluate(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
-        hx, hy, hz = ox + ix, oy + iy, oz + iz
+    def evaluate(wo: Vector, wi: Vector, p: LobeParameters) -> float:
+        hx, hy, hz = wo[0] + wi[0], wo[1] + wi[1], wo[2] + wi[2]
         square = hx * hx + hy * hy + hz * hz
-        if not (oz > HORIZON and iz > HORIZON and square > 0.0):
+        if not (wo[2] > HORIZON and wi[2] > HORIZON and square > 0.0):
             return 0.0
-        return fresnel(min(0.5 * sqrt(square), 1.0), p[1]) * lobe(ox, oy, oz, ix, iy, iz, p[0])
+        return F(min(0.5 * sqrt(square), 1.0), p.fresnel) * lobe(wo, wi, p.lobe)
 
     return over_pairs(evaluate)
 
 
-def evaluation_of(model: Masking, fresnel: Fresnel) -> tuple[Batch, Parameters]:
-    """The loop that evaluates the BRDF, in one fraction where the model has it, else part by part; and its parameters."""
-    joined = model.ndf.smith_lobe if isinstance(model, Smith) and model.correlation == "height" else None
-    if joined is not None:
-        lobe, parameters = joined
-        return joined_evaluation(type(fresnel).kernel, lobe), (parameters, fresnel.parameters)
-    kernels = (type(model.ndf).kernel, model.view_kernel, model.G2_of_cosines, type(fresnel).kernel)
-    return evaluation(*kernels), (model.parameters, fresnel.parameters)
-
-
 @cache
-def visible_pdf(normals: Callable[..., float], view: Callable[..., float], masked: Callable[..., float]) -> Batch:
+def visible_pdf(D: Callable[..., float], Lambda: Callable[..., float], G1: Callable[..., float]) -> Batch:
     """Density of mirror directions of sampled visible normals."""
 
-    def pdf(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
-        hx, hy, hz = ox + ix, oy + iy, oz + iz
-        length = sqrt(hx * hx + hy * hy + hz * hz)
-        if not (oz > HORIZON and hz > 0.0 and length > 0.0):
+    def pdf(wo: Vector, wi: Vector, p: ModelParameters) -> float:
+        h, length = added(wo, wi)
+        if not (wo[2] > HORIZON and h[2] > 0.0 and length > 0.0):
             return 0.0
-        hx, hy, hz = hx / length, hy / length, hz / length
-        G1 = masked(view(ox, oy, oz, p[0]), min(0.5 * length, 1.0), oz, hz, p[0])
-        return stated_density(G1, 1.0, oz) * normals(hx, hy, hz, p[0][0])
+        wh, cosine = divided(h, length), min(0.5 * length, 1.0)
+        masking = G1(Lambda(wo, p), cosine, wo, wh, p)
+        return stated_density(masking, 1.0, wo[2]) * D(wh, p.ndf)
 
     return over_pairs(pdf)
 
@@ -246,55 +257,79 @@ def normals_pdf(drawn: Callable[..., float]) -> Batch:
     Facets turned away send theirs down, to where wo + wi points down: they count too, or the density would not sum to 1.
     """
 
-    def pdf(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
-        hx, hy, hz = ox + ix, oy + iy, oz + iz
-        length = sqrt(hx * hx + hy * hy + hz * hz)
-        if not (oz > HORIZON and length > 0.0):
+    def pdf(wo: Vector, wi: Vector, p: ModelParameters) -> float:
+        h, length = added(wo, wi)
+        if not (wo[2] > HORIZON and length > 0.0):
             return 0.0
-        up = length if hz > 0.0 else -length
-        return drawn(hx / up, hy / up, hz / up, p[0][0]) * (hz / up) / (2.0 * length)
+        wm = divided(h, length if h[2] > 0.0 else -length)
+        return drawn(wm, p.ndf) * wm[2] / (2.0 * length)
 
     return over_pairs(pdf)
 
 
 @cache
 def visible_weight(
-    view: Callable[..., float], masked: Callable[..., float], shadowed: Callable[..., float], fresnel: Callable[..., float]
+    Lambda: Callable[..., float], G1: Callable[..., float], G2: Callable[..., float], F: Callable[..., float]
 ) -> Batch:
     """The BRDF times the cosine over `visible_pdf`: D and the cosines cancel."""
 
-    def weight(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
-        hx, hy, hz = ox + ix, oy + iy, oz + iz
-        length = sqrt(hx * hx + hy * hy + hz * hz)
-        if not (oz > HORIZON and iz > HORIZON and length > 0.0):
+    def weight(wo: Vector, wi: Vector, p: BRDFParameters) -> float:
+        h, length = added(wo, wi)
+        if not (wo[2] > HORIZON and wi[2] > HORIZON and length > 0.0):
             return 0.0
-        cosine = min(0.5 * length, 1.0)
-        seen, lit = view(ox, oy, oz, p[0]), view(ix, iy, iz, p[0])
-        G1 = masked(seen, cosine, oz, hz / length, p[0])
-        G2 = shadowed(seen, lit, cosine, cosine, ox, oy, oz, ix, iy, iz, hz / length, p[0])
-        return fresnel(cosine, p[1]) * (G2 / G1)
+        wh, cosine = divided(h, length), min(0.5 * length, 1.0)
+        Lambda_o, Lambda_i = Lambda(wo, p), Lambda(wi, p)
+        masking = G1(Lambda_o, cosine, wo, wh, p)
+        return F(cosine, p.fresnel) * (G2(Lambda_o, Lambda_i, cosine, cosine, wo, wi, wh, p) / masking)
 
     return over_pairs(weight)
 
 
 @cache
 def normals_weight(
-    excess: Callable[..., float], view: Callable[..., float], shadowed: Callable[..., float], fresnel: Callable[..., float]
+    excess: Callable[..., float], Lambda: Callable[..., float], G2: Callable[..., float], F: Callable[..., float]
 ) -> Batch:
     """The same for `normals_pdf`; excess: D over the distribution of the normals that are drawn."""
 
-    def weight(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
-        hx, hy, hz = ox + ix, oy + iy, oz + iz
-        length = sqrt(hx * hx + hy * hy + hz * hz)
-        if not (oz > HORIZON and iz > HORIZON and length > 0.0):
+    def weight(wo: Vector, wi: Vector, p: BRDFParameters) -> float:
+        h, length = added(wo, wi)
+        if not (wo[2] > HORIZON and wi[2] > HORIZON and length > 0.0):
             return 0.0
-        hx, hy, hz = hx / length, hy / length, hz / length
-        cosine = min(0.5 * length, 1.0)
-        seen, lit = view(ox, oy, oz, p[0]), view(ix, iy, iz, p[0])
-        G2 = shadowed(seen, lit, cosine, cosine, ox, oy, oz, ix, iy, iz, hz, p[0])
-        return fresnel(cosine, p[1]) * (G2 / oz) * (cosine / hz) * excess(hx, hy, hz, p[0][0])
+        wh, cosine = divided(h, length), min(0.5 * length, 1.0)
+        shadowing = G2(Lambda(wo, p), Lambda(wi, p), cosine, cosine, wo, wi, wh, p)
+        return F(cosine, p.fresnel) * (shadowing / wo[2]) * (cosine / wh[2]) * excess(wh, p.ndf)
 
     return over_pairs(weight)
+
+
+@cache
+def visible_mirror(sampler: Callable[..., Vector]) -> Batch:
+    """Mirror directions of sampled visible normals."""
+
+    def mirror(wo: Vector, u: Pair, p: ModelParameters) -> Vector:
+        if not wo[2] > HORIZON:
+            return 0.0, 0.0, 0.0
+        wm = sampler(wo, u, p)
+        twice = 2.0 * dot(wo, wm)
+        return twice * wm[0] - wo[0], twice * wm[1] - wo[1], max(twice * wm[2] - wo[2], -BELOW * wo[2])
+
+    return Batch(mirror, [3, 2], 3)
+
+
+@cache
+def normals_mirror(slopes: Callable[..., Pair]) -> Batch:
+    """Mirror directions of normals sampled without regard to the viewer, by their slopes."""
+
+    def mirror(wo: Vector, u: Pair, p: ModelParameters) -> Vector:
+        ox, oy, oz = wo
+        if not oz > HORIZON:
+            return 0.0, 0.0, 0.0
+        slope_x, slope_y = slopes(u, p.ndf)
+        mz = 1.0 / sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
+        twice = 2.0 * (oz - ox * slope_x - oy * slope_y) * mz
+        return -twice * slope_x * mz - ox, -twice * slope_y * mz - oy, twice * mz - oz
+
+    return Batch(mirror, [3, 2], 3)
 
 
 # --- the model --------------------------------------------------------------------------------------------------------
@@ -307,30 +342,43 @@ class Microfacet(Parametric, BRDF):
     indices of a metal for three channels. What is sampled, and its density, does not depend on the reflectance.
     """
 
+    parameters: BRDFParameters
+
     def __init__(self, model: Masking, fresnel: Fresnel | None = None) -> None:
         if not isinstance(model, Masking):
             raise ValueError(f"model must be a model of masking such as Smith(GGX(0.3)), got {model!r}")
         if not (fresnel is None or isinstance(fresnel, Fresnel)):
             raise ValueError(f"fresnel must be None, Dielectric, Conductor or Schlick, got {fresnel!r}")
         self.model, self.fresnel = together(model=model, fresnel=Mirror() if fresnel is None else fresnel)
-        self.parameters = (model.parameters, self.fresnel.parameters)
-        self._evaluation, self._evaluation_parameters = evaluation_of(model, self.fresnel)
+        self.parameters = BRDFParameters(*model.parameters, self.fresnel.parameters)
+
+    @cached_property
+    def evaluation(self) -> tuple[Batch, Parameters]:
+        """The loop of `evaluate`, in one fraction where the distribution has it, else part by part; and its parameters."""
+        model, F = self.model, type(self.fresnel).kernel
+        joined = model.ndf.smith_lobe if isinstance(model, Smith) and model.correlation == "height" else None
+        if joined is None:
+            return evaluation(type(model.ndf).kernel, model.Lambda_kernel, model.G2_kernel, F), self.parameters
+        lobe, parameters = joined
+        return joined_evaluation(lobe, F), LobeParameters(parameters, self.fresnel.parameters)
 
     def evaluate(self, wo: ArrayLike, wi: ArrayLike, out: NDArray[Any] | None = None) -> NDArray[Any]:
         """The BRDF, 1/sr, shapes (..., 3) -> (...); 0 if either direction is below the horizon. heitz2014.
 
         out: an array to fill and return; after an error what it holds is of no use.
         """
-        return self._evaluation([vectors("wo", wo), vectors("wi", wi)], self._evaluation_parameters, out)
+        batch, parameters = self.evaluation
+        return batch([vectors("wo", wo), vectors("wi", wi)], parameters, out)
 
     def sample(self, wo: ArrayLike, u: ArrayLike, out: NDArray[Any] | None = None) -> NDArray[Any]:
         """Light directions with density `pdf`, shapes (..., 3) and (..., 2) -> (..., 3), by visible normals where the model
         can sample them, otherwise by all normals. Some go below the horizon: their BRDF is 0, they count as lost. The zero
         vector where wo is below the horizon. out: as for `evaluate`."""
-        if self.model.sampler is None and type(self.model.ndf).sample_kernel is None:
+        sampler, slopes = self.model.sampler, type(self.model.ndf).sample_kernel
+        if sampler is None and slopes is None:
             raise ValueError(f"{self!r} has no sampler: the class of its distribution must name a sample_kernel")
-        rule = _mirrored(self.model.sampler, type(self.model.ndf).sample_kernel)
-        return rule([vectors("wo", wo), uniform("u", u)], (self.model.parameters,), out)
+        rule = normals_mirror(slopes) if sampler is None else visible_mirror(sampler)
+        return rule([vectors("wo", wo), uniform("u", u)], self.model.parameters, out)
 
     def pdf(self, wo: ArrayLike, wi: ArrayLike) -> NDArray[Any]:
         """Density of `sample` over the whole sphere, 1/sr, shapes (..., 3) -> (...).
@@ -339,8 +387,8 @@ class Microfacet(Parametric, BRDF):
         """
         model, ndf = self.model, type(self.model.ndf)
         visible = model.sampler is not None
-        rule = visible_pdf(ndf.kernel, model.view_kernel, model.G1_of_cosine) if visible else normals_pdf(drawn_from(ndf))
-        return rule([vectors("wo", wo), vectors("wi", wi)], (self.model.parameters,))
+        rule = visible_pdf(ndf.kernel, model.Lambda_kernel, model.G1_kernel) if visible else normals_pdf(drawn_from(ndf))
+        return rule([vectors("wo", wo), vectors("wi", wi)], model.parameters)
 
     def weight(self, wo: ArrayLike, wi: ArrayLike) -> NDArray[Any]:
         """What a sample weighs: the BRDF times cos theta_i over `pdf`, shapes (..., 3) -> (...); 0 if either direction is below
@@ -349,12 +397,11 @@ class Microfacet(Parametric, BRDF):
         F G2/G1 where the model samples visible normals, which is in [0, 1]. A quotient in which D does not occur, so that it is
         right also where BRDF and density are too large or too small for numbers. heitzdeon2014.
         """
-        model, ndf = self.model, type(self.model.ndf)
-        parts = (model.view_kernel, model.G2_of_cosines, type(self.fresnel).kernel)
+        model, F = self.model, type(self.fresnel).kernel
         if model.sampler is None:
-            rule = normals_weight(excess_over_drawn(ndf), *parts)
+            rule = normals_weight(excess_over_drawn(type(model.ndf)), model.Lambda_kernel, model.G2_kernel, F)
         else:
-            rule = visible_weight(model.view_kernel, model.G1_of_cosine, *parts[1:])
+            rule = visible_weight(model.Lambda_kernel, model.G1_kernel, model.G2_kernel, F)
         return rule([vectors("wo", wo), vectors("wi", wi)], self.parameters)
 
     def albedo_with_error(self, wo: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -386,29 +433,3 @@ class Microfacet(Parametric, BRDF):
 
     def __repr__(self) -> str:
         return f"Microfacet({self.model!r}, {self.fresnel!r})"
-
-
-@cache
-def _mirrored(visible: Callable[..., Any] | None, slopes: Callable[..., Any]) -> Batch:
-    """Mirror directions of sampled normals."""
-    if visible is not None:
-        sampler = visible
-
-        def visible_mirror(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float]:
-            if not oz > HORIZON:
-                return 0.0, 0.0, 0.0
-            mx, my, mz = sampler(ox, oy, oz, u1, u2, p[0])
-            twice = 2.0 * (ox * mx + oy * my + oz * mz)
-            return twice * mx - ox, twice * my - oy, max(twice * mz - oz, -BELOW * oz)
-
-        return Batch(visible_mirror, [3, 2], 3)
-
-    def mirror(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float]:
-        if not oz > HORIZON:
-            return 0.0, 0.0, 0.0
-        slope_x, slope_y = slopes(u1, u2, p[0][0])
-        mz = 1.0 / sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
-        twice = 2.0 * (oz - ox * slope_x - oy * slope_y) * mz
-        return -twice * slope_x * mz - ox, -twice * slope_y * mz - oy, twice * mz - oz
-
-    return Batch(mirror, [3, 2], 3)

@@ -13,9 +13,10 @@ from microfacet import balls
 from microfacet.arithmetic import exp_minus_squares
 from microfacet.geometry.facets import beckmann_facet
 from microfacet.geometry.ggx import ROUGHNESS
+from microfacet.geometry.roughness import Alphas
 from microfacet.geometry.slopes import Stretched, around, normals_integral, slope_integral, unstretched_norm
 from microfacet.geometry.visible_normals import sample_beckmann
-from microfacet.kernels import packed
+from microfacet.kernels import Pair, Vector
 from microfacet.notation import a, alpha, alpha_x, alpha_y, chi, q, raw, wm, x, y
 from microfacet.statement import Equation
 
@@ -235,15 +236,18 @@ def _area_steps() -> list[Any]:
 beckmann_Lambda = Lambda.scalar
 
 
-def kernel_Lambda(x: float, y: float, z: float, p: Any) -> float:
-    alpha_x, alpha_y = p
+def kernel_D(wm: Vector, p: Alphas) -> float:
+    return compensated_D(wm[0], wm[1], wm[2], p.alpha_x, p.alpha_y)
+
+
+def kernel_Lambda(w: Vector, p: Alphas) -> float:
+    (x, y, z), alpha_x, alpha_y = w, p.alpha_x, p.alpha_y
     return beckmann_Lambda(abs(z) / sqrt((alpha_x * x) * (alpha_x * x) + (alpha_y * y) * (alpha_y * y)))
 
 
-def kernel_sample(u1: float, u2: float, p: Any) -> tuple[float, float]:
-    alpha_x, alpha_y = p
-    x, y = around(sqrt(-log1p(-u1)), u2)
-    return alpha_x * x, alpha_y * y
+def kernel_sample(u: Pair, p: Alphas) -> Pair:
+    x, y = around(sqrt(-log1p(-u[0])), u[1])
+    return p.alpha_x * x, p.alpha_y * y
 
 
 class Beckmann(Stretched):
@@ -253,7 +257,7 @@ class Beckmann(Stretched):
     statements: ClassVar = {"D": D, "Lambda": Lambda, "projected_area": projected_area}
     regular = True
 
-    kernel = staticmethod(packed(compensated_D, 3, 2))
+    kernel = staticmethod(kernel_D)
     sample_kernel = staticmethod(kernel_sample)
     closed_Lambda = staticmethod(kernel_Lambda)
     sample_visible_kernel = staticmethod(sample_beckmann)

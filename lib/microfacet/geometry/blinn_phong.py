@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import cosh, exp, expm1, log, log1p, pi, sinh, sqrt
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import mpmath
 import numpy as np
@@ -15,7 +15,7 @@ from microfacet import balls
 from microfacet.arithmetic import inverse_power, quotient_of_squares, two_product, two_sum
 from microfacet.directions import within
 from microfacet.geometry.slopes import Distribution, around, normals_integral
-from microfacet.kernels import ByPrecision, packed
+from microfacet.kernels import ByPrecision, Pair, Vector
 from microfacet.notation import chi, n, q, raw, u, wm, x, y
 from microfacet.parameters import double, each
 from microfacet.proofs import under_integral
@@ -333,21 +333,35 @@ def _marginal_steps(it: Equation) -> list[Any]:
 
 # --- kernels --------------------------------------------------------------------------------------------------------
 
-blinn_phong_Lambda = student_Lambda
+
+class Power(NamedTuple):
+    """Parameters: the exponent n, and the factor K of the slopes along one direction."""
+
+    n: float
+    K: float
 
 
-def kernel_Lambda(x: float, y: float, z: float, p: Any) -> float:
+def kernel_D(wm: Vector, p: Power) -> float:
+    return power_of_cosine(wm[0], wm[1], wm[2], p.n)
+
+
+def kernel_normalized_D(wm: Vector, p: Power) -> float:
+    return normalized_power(wm[0], wm[1], wm[2], p.n)
+
+
+def kernel_Lambda(w: Vector, p: Power) -> float:
+    x, y, z = w
     across = sqrt(x * x + y * y)
-    return 0.0 if across == 0.0 else blinn_phong_Lambda(abs(z) / across, p[0], p[1])
+    return 0.0 if across == 0.0 else student_Lambda(abs(z) / across, p.n, p.K)
 
 
-def kernel_sample(u1: float, u2: float, p: Any) -> tuple[float, float]:
+def kernel_sample(u: Pair, p: Power) -> Pair:
     """The square of the tangent is (1 - u1)^(-2/(n + 2)) - 1."""
-    return around(sqrt(expm1(-2.0 * log1p(-u1) / (p[0] + 2.0))), u2)
+    return around(sqrt(expm1(-2.0 * log1p(-u[0]) / (p.n + 2.0))), u[1])
 
 
-def kernel_excess(x: float, y: float, z: float, p: Any) -> float:
-    return 2.0 * PI / (p[0] + 2.0)
+def kernel_excess(wm: Vector, p: Power) -> float:
+    return 2.0 * PI / (p.n + 2.0)
 
 
 def _power(name: str, value: Any) -> float:
@@ -381,9 +395,9 @@ class BlinnPhong(Distribution):
     statements: ClassVar = {"D": D, "projected_area": projected_area}
     regular = True
 
-    kernel = staticmethod(packed(power_of_cosine, 3, 1))
-    sample_kernel: ClassVar[Callable[..., tuple[float, float]] | None] = staticmethod(kernel_sample)
-    sampled_kernel = staticmethod(packed(normalized_power, 3, 1))
+    kernel: ClassVar[Callable[..., float]] = staticmethod(kernel_D)
+    sample_kernel: ClassVar[Callable[..., Pair] | None] = staticmethod(kernel_sample)
+    sampled_kernel: ClassVar[Callable[..., float] | None] = staticmethod(kernel_normalized_D)
     excess_kernel: ClassVar[Callable[..., float] | None] = staticmethod(kernel_excess)
     closed_Lambda: ClassVar[Callable[..., float] | None] = staticmethod(kernel_Lambda)
     isotropic = True
@@ -391,7 +405,7 @@ class BlinnPhong(Distribution):
     def __init__(self, n: ArrayLike) -> None:
         self.n = each(_power, "n", n)
         half = double(self.n) / 2
-        self.parameters = (self.n, sqrt(pi) * gamma_ratio(half) * self._normalisation())
+        self.parameters = Power(self.n, sqrt(pi) * gamma_ratio(half) * self._normalisation())
         self.alpha = self.slope_scale = (1 / (1 + half) ** 0.5,) * 2
 
     def _normalisation(self) -> Any:
@@ -409,7 +423,7 @@ class NormalizedBlinnPhong(BlinnPhong):
     statements: ClassVar = {"D": normalized_D, "projected_area": normalized_projected_area}
     regular = True
 
-    kernel = BlinnPhong.sampled_kernel
+    kernel = staticmethod(kernel_normalized_D)
     sample_kernel, closed_Lambda = BlinnPhong.sample_kernel, BlinnPhong.closed_Lambda
 
     def _normalisation(self) -> Any:

@@ -7,19 +7,20 @@ are given here.
 from __future__ import annotations
 
 from math import cos, exp, log, pi, sin, sqrt
-from typing import Any
 
+from microfacet.geometry.roughness import Alphas
 from microfacet.geometry.visible_normals import SQRT_PI, STRAIGHT, unstretched
+from microfacet.kernels import Pair, Vector
 from microfacet.streams import drawn
 
 TRIES = 300  # how often a slope is drawn before giving up
 FLAT = 1e200  # the cotangent of a direction that is upright
 
 
-def ggx_facet(vx: float, vy: float, vz: float, u1: float, u2: float, key: int, at: int, p: Any) -> tuple[float, float, float]:
+def ggx_facet(v: Vector, u: Pair, key: int, at: int, p: Alphas) -> Vector:
     """A facet of GGX that faces a direction above the horizon or below: mirror directions fill a cap uniformly. dupuy2023."""
-    alpha_x, alpha_y = p
-    x, y, z = unstretched(vx, vy, vz, alpha_x, alpha_y)
+    (u1, u2), alpha_x, alpha_y = u, p.alpha_x, p.alpha_y
+    x, y, z = unstretched(v, p)
     rise = 1.0 + z if z > 0.0 else (x * x + y * y) / (1.0 - z)
     fall = 1.0 - z if z < 0.0 else (x * x + y * y) / (1.0 + z)
     above = (1.0 - u2) * rise
@@ -62,12 +63,10 @@ def gaussian_seen(c: float, key: int, at: int) -> float:
     return x
 
 
-def beckmann_facet(
-    vx: float, vy: float, vz: float, u1: float, u2: float, key: int, at: int, p: Any
-) -> tuple[float, float, float]:
+def beckmann_facet(v: Vector, u: Pair, key: int, at: int, p: Alphas) -> Vector:
     """A facet of Beckmann that faces a direction above the horizon or below, in proportion to what it shows."""
-    alpha_x, alpha_y = p
-    x, y, z = unstretched(vx, vy, vz, alpha_x, alpha_y)
+    (u1, u2), alpha_x, alpha_y = u, p.alpha_x, p.alpha_y
+    x, y, z = unstretched(v, p)
     length = sqrt(x * x + y * y)
     c, s = (x / length, y / length) if length > STRAIGHT else (1.0, 0.0)
     steep = z / length if length > STRAIGHT else FLAT

@@ -5,16 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from itertools import product
 from math import atan, pi, sqrt
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import sympy as sp
 
 from microfacet import balls
 from microfacet.arithmetic import two_product
 from microfacet.geometry.facets import ggx_facet
+from microfacet.geometry.roughness import Alphas
 from microfacet.geometry.slopes import Stretched, around, normals_integral, slope_integral, unstretched_norm
 from microfacet.geometry.visible_normals import sample_ggx
-from microfacet.kernels import Parameters, packed
+from microfacet.kernels import Pair, Parameters, Vector
 from microfacet.notation import a, alpha, alpha_x, alpha_y, chi, q, raw, wm, x, y
 from microfacet.statement import Equation
 
@@ -231,18 +232,21 @@ def _area_steps() -> list[Any]:
 
 # --- kernels --------------------------------------------------------------------------------------------------------
 
-ggx_Lambda = Lambda.scalar
+ggx_D, ggx_Lambda = D.scalar, Lambda.scalar
 
 
-def kernel_Lambda(x: float, y: float, z: float, p: Any) -> float:
-    alpha_x, alpha_y = p
+def kernel_D(wm: Vector, p: Alphas) -> float:
+    return ggx_D(wm[0], wm[1], wm[2], p.alpha_x, p.alpha_y)
+
+
+def kernel_Lambda(w: Vector, p: Alphas) -> float:
+    (x, y, z), alpha_x, alpha_y = w, p.alpha_x, p.alpha_y
     return ggx_Lambda(abs(z) / sqrt((alpha_x * x) * (alpha_x * x) + (alpha_y * y) * (alpha_y * y)))
 
 
-def kernel_sample(u1: float, u2: float, p: Any) -> tuple[float, float]:
-    alpha_x, alpha_y = p
-    x, y = around(sqrt(u1 / (1.0 - u1)), u2)
-    return alpha_x * x, alpha_y * y
+def kernel_sample(u: Pair, p: Alphas) -> Pair:
+    x, y = around(sqrt(u[0] / (1.0 - u[0])), u[1])
+    return p.alpha_x * x, p.alpha_y * y
 
 
 # --- the lobe under Smith's model ---------------------------------------------------------------------------------------
@@ -264,45 +268,37 @@ def inverse_square(alpha: float) -> tuple[float, float]:
     return factor, square + (square_rest + 2.0 * square * ((1.0 - product) - product_rest))
 
 
+class Inverted(NamedTuple):
+    """Parameters of the lobe: both roughnesses, and what `inverse_square` makes of them."""
+
+    alpha_x: float
+    alpha_y: float
+    of_x: Pair
+    of_y: Pair
+
+
 def lobe(x_o: float, y_o: float, z_o: float, x_i: float, y_i: float, z_i: float, alpha_x: float, alpha_y: float) -> float:
     """D G2/(4 cos cos) at the half vector, both directions above the horizon: neither the half vector's length nor a cosine is
     divided out."""
-    return prepared_lobe(x_o, y_o, z_o, x_i, y_i, z_i, alpha_x, alpha_y, inverse_square(alpha_x), inverse_square(alpha_y))
+    p = Inverted(alpha_x, alpha_y, inverse_square(alpha_x), inverse_square(alpha_y))
+    return inverted_lobe((x_o, y_o, z_o), (x_i, y_i, z_i), p)
 
 
-def prepared_lobe(
-    x_o: float,
-    y_o: float,
-    z_o: float,
-    x_i: float,
-    y_i: float,
-    z_i: float,
-    alpha_x: float,
-    alpha_y: float,
-    of_x: tuple[float, float],
-    of_y: tuple[float, float],
-) -> float:
-    """The same, given what `inverse_square` makes of both roughnesses."""
-    (x_factor, x_inverse), (y_factor, y_inverse) = of_x, of_y
+def inverted_lobe(wo: Vector, wi: Vector, p: Inverted) -> float:
+    """The same, given the inverse squares: once for all turns and calls."""
+    (x_o, y_o, z_o), (x_i, y_i, z_i), (x_factor, x_inverse), (y_factor, y_inverse) = wo, wi, p.of_x, p.of_y
     x, y, z = x_o + x_i, y_o + y_i, z_o + z_i
     square = x * x + y * y + z * z
     stretched = (x_factor * x) * (x_factor * x) * x_inverse + (y_factor * y) * (y_factor * y) * y_inverse + z * z
-    reach_o = sqrt((alpha_x * x_o) * (alpha_x * x_o) + (alpha_y * y_o) * (alpha_y * y_o) + z_o * z_o)
-    reach_i = sqrt((alpha_x * x_i) * (alpha_x * x_i) + (alpha_y * y_i) * (alpha_y * y_i) + z_i * z_i)
+    reach_o = sqrt((p.alpha_x * x_o) * (p.alpha_x * x_o) + (p.alpha_y * y_o) * (p.alpha_y * y_o) + z_o * z_o)
+    reach_i = sqrt((p.alpha_x * x_i) * (p.alpha_x * x_i) + (p.alpha_y * y_i) * (p.alpha_y * y_i) + z_i * z_i)
     shrunk = square / stretched  # first: the squares of both underflow where both directions graze
-    return (shrunk * shrunk) / ((2.0 * pi) * (alpha_x * alpha_y) * (z_o * reach_i + z_i * reach_o))
+    return (shrunk * shrunk) / ((2.0 * pi) * (p.alpha_x * p.alpha_y) * (z_o * reach_i + z_i * reach_o))
 
 
-def lobe_of_arrays(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
+def lobe_of_arrays(wo: Vector, wi: Vector, p: Alphas) -> float:
     """Each turn has a roughness of its own, for which `inverse_square` would take longer than all else."""
-    alpha_x, alpha_y = p
-    return prepared_lobe(ox, oy, oz, ix, iy, iz, alpha_x, alpha_y, (1.0 / alpha_x, 1.0), (1.0 / alpha_y, 1.0))
-
-
-def lobe_of_numbers(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, p: Any) -> float:
-    """Parameters: also what `inverse_square` makes of both roughnesses, once for all turns and calls."""
-    alpha_x, alpha_y, of_x, of_y = p
-    return prepared_lobe(ox, oy, oz, ix, iy, iz, alpha_x, alpha_y, of_x, of_y)
+    return inverted_lobe(wo, wi, Inverted(p.alpha_x, p.alpha_y, (1.0 / p.alpha_x, 1.0), (1.0 / p.alpha_y, 1.0)))
 
 
 # --- the class ----------------------------------------------------------------------------------------------------------
@@ -315,7 +311,7 @@ class GGX(Stretched):
     statements: ClassVar = {"D": D, "Lambda": Lambda, "projected_area": projected_area}
     regular = True
 
-    kernel = staticmethod(packed(D.scalar, 3, 2))
+    kernel = staticmethod(kernel_D)
     sample_kernel = staticmethod(kernel_sample)
     closed_Lambda = staticmethod(kernel_Lambda)
     sample_visible_kernel = staticmethod(sample_ggx)
@@ -325,4 +321,4 @@ class GGX(Stretched):
     def smith_lobe(self) -> tuple[Callable[..., float], Parameters]:
         if self.batch_shape:
             return lobe_of_arrays, self.parameters
-        return lobe_of_numbers, (*self.parameters, *map(inverse_square, self.parameters))
+        return inverted_lobe, Inverted(*self.parameters, *map(inverse_square, self.parameters))

@@ -3,12 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from microfacet.directions import numbers, one_of
+
+
+class Alphas(NamedTuple):
+    """Parameters of a distribution that is stretched: its roughness along both axes."""
+
+    alpha_x: float
+    alpha_y: float
+
+
+class SlopeScale(NamedTuple):
+    """How far slopes spread along both axes, for quadratures."""
+
+    scale_x: float
+    scale_y: float
+
 
 PBRT3 = (1.62142, 0.819955, 0.1734, 0.0171201, 0.000640711)  # RoughnessToAlpha of pbrt-v3, in powers of ln(roughness)
 LEAST_PBRT3 = 1e-3

@@ -19,8 +19,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from microfacet.directions import numbers, roughness, uniform, vectors
 from microfacet.geometry.panels import Panels, panels
+from microfacet.geometry.roughness import Alphas
 from microfacet.geometry.visible_normals import HORIZON
-from microfacet.kernels import Batch, Parameters
+from microfacet.kernels import Batch, Pair, Parameters, Vector
 from microfacet.notation import P22, Direction, alpha_x, alpha_y, chi, raw, x, y
 from microfacet.parameters import Parametric, each, shown, together
 from microfacet.statement import Equation
@@ -121,23 +122,24 @@ MADE_FOR = {"kernel": OF_D, "closed_Lambda": OF_LAMBDA}
 class Distribution(Parametric):
     """A distribution of normals D, 1/sr, over unit microfacet normals.
 
-    parameters: what its kernels take as their last argument.
+    Its kernels take directions as tuples (x, y, z), two uniform numbers as (u1, u2), and last its parameters.
+    parameters: these, best a named tuple, whose fields the kernels read: p.alpha_x. A plain tuple does as well.
     alpha: its roughness along x and along y, if its family has one, else None; formulas that ask for a roughness need it.
     slope_scale: how far its slopes spread along x and along y, for quadratures; by default it is found by a look at D.
     reach: in units of these, the slope beyond which hardly any facet (1e-18 of the area) lies.
     isotropic: whether D depends on the polar angle only, by default not; `validate` checks it.
     """
 
-    kernel: ClassVar[Callable[..., float]]  # D(x, y, z, parameters)
-    sample_kernel: ClassVar[Callable[..., tuple[float, float]] | None] = None  # slopes(u1, u2, parameters)
+    kernel: ClassVar[Callable[..., float]]  # D(wm, parameters)
+    sample_kernel: ClassVar[Callable[..., Pair] | None] = None  # slopes(u, parameters)
     sample_density: ClassVar[Callable[..., float] | None] = None  # of those slopes at (x, y), if it is not that of D
     sampled_kernel: ClassVar[Callable[..., float] | None] = None  # or, for more digits, the distribution of normals they have
     excess_kernel: ClassVar[Callable[..., float] | None] = None  # and D over that, where both may be too small for numbers
-    closed_Lambda: ClassVar[Callable[..., float] | None] = None  # Lambda(x, y, z, parameters)
-    # visible normals of Smith's model: normal(ox, oy, oz, u1, u2, parameters)
-    sample_visible_kernel: ClassVar[Callable[..., tuple[float, float, float]] | None] = None
-    # the facet that a ray towards -v meets, from above or below: facet(vx, vy, vz, u1, u2, key, at, parameters), see `streams`
-    facet_kernel: ClassVar[Callable[..., tuple[float, float, float]] | None] = None
+    closed_Lambda: ClassVar[Callable[..., float] | None] = None  # Lambda(w, parameters)
+    # visible normals of Smith's model: normal(wo, u, parameters)
+    sample_visible_kernel: ClassVar[Callable[..., Vector] | None] = None
+    # the facet that a ray towards -v meets, from above or below: facet(v, u, key, at, parameters), see `streams`
+    facet_kernel: ClassVar[Callable[..., Vector] | None] = None
     statements: ClassVar[Mapping[str, Equation]] = {}  # of D, Lambda and projected_area, as far as the family states them
     regular: ClassVar[bool] = False  # whether few nodes suffice for integrals over its lobe; if not, more are taken
     parameters: Parameters
@@ -169,7 +171,7 @@ class Distribution(Parametric):
     def smith_lobe(self) -> tuple[Callable[..., float], Parameters] | None:
         """D G2/(4 cos theta_o cos theta_i) of Smith's model, correlated by height, as one kernel if there is one.
 
-        A kernel lobe(ox, oy, oz, ix, iy, iz, parameters), quicker than its parts, and these parameters.
+        A kernel lobe(wo, wi, parameters), quicker than its parts, and these parameters.
         """
         return None
 
@@ -223,7 +225,8 @@ class Stretched(Distribution):
         along = each(roughness, "alpha_x", alpha_x)
         across = along if alpha_y is None else each(roughness, "alpha_y", alpha_y)
         self.alpha_x, self.alpha_y = together(alpha_x=along, alpha_y=across)
-        self.parameters = self.alpha = self.slope_scale = (self.alpha_x, self.alpha_y)
+        self.parameters = Alphas(self.alpha_x, self.alpha_y)
+        self.alpha = self.slope_scale = (self.alpha_x, self.alpha_y)
         self.isotropic = bool(np.all(self.alpha_x == self.alpha_y))
 
 
@@ -310,15 +313,15 @@ def _over_slopes(kernel: Callable[..., float]) -> Batch:
 def _slope_density(D: Callable[..., float]) -> Callable[..., float]:
     def slope_density(x: float, y: float, p: Any) -> float:
         z = 1.0 / sqrt(1.0 + x * x + y * y)
-        return D(-x * z, -y * z, z, p) * (z * z * z * z)
+        return D((-x * z, -y * z, z), p) * (z * z * z * z)
 
     return slope_density
 
 
 @cache
-def _sampler(slopes: Callable[..., tuple[float, float]]) -> Batch:
-    def normal(u1: float, u2: float, p: Any) -> tuple[float, float, float]:
-        slope_x, slope_y = slopes(u1, u2, p)
+def _sampler(slopes: Callable[..., Pair]) -> Batch:
+    def normal(u: Pair, p: Any) -> Vector:
+        slope_x, slope_y = slopes(u, p)
         z = 1.0 / sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
         return -slope_x * z, -slope_y * z, z
 
@@ -334,7 +337,8 @@ def drawn_from(kind: type[Distribution]) -> Callable[..., float]:
 
 @cache
 def _of_slopes(density: Callable[..., float]) -> Callable[..., float]:
-    def normals(x: float, y: float, z: float, p: Any) -> float:
+    def normals(wm: Vector, p: Any) -> float:
+        x, y, z = wm
         if not z > 0.0:
             return 0.0
         value = density(-x / z, -y / z, p)
@@ -350,15 +354,15 @@ def excess_over_drawn(kind: type[Distribution]) -> Callable[..., float]:
     return _one if drawn_from(kind) is kind.kernel else _excess(kind.kernel, drawn_from(kind))
 
 
-def _one(x: float, y: float, z: float, p: Any) -> float:
+def _one(wm: Vector, p: Any) -> float:
     return 1.0
 
 
 @cache
 def _excess(D: Callable[..., float], drawn: Callable[..., float]) -> Callable[..., float]:
-    def excess(x: float, y: float, z: float, p: Any) -> float:
-        likely = drawn(x, y, z, p)
-        return D(x, y, z, p) / likely if likely > 0.0 else 0.0
+    def excess(wm: Vector, p: Any) -> float:
+        likely = drawn(wm, p)
+        return D(wm, p) / likely if likely > 0.0 else 0.0
 
     return excess
 
@@ -367,13 +371,13 @@ def _excess(D: Callable[..., float], drawn: Callable[..., float]) -> Callable[..
 def _sampled_density(drawn: Callable[..., float]) -> Callable[..., float]:
     """The density of normals whose slopes have the distribution that belongs to these normals."""
 
-    def sampled_density(x: float, y: float, z: float, p: Any) -> float:
-        return drawn(x, y, z, p) * z if z > 0.0 else 0.0
+    def sampled_density(wm: Vector, p: Any) -> float:
+        return drawn(wm, p) * wm[2] if wm[2] > 0.0 else 0.0
 
     return sampled_density
 
 
-def around(radius: float, u: float) -> tuple[float, float]:
+def around(radius: float, u: float) -> Pair:
     """A point at the given distance from the origin, in the direction of the given share of a turn."""
     return radius * cos(2.0 * pi * u), radius * sin(2.0 * pi * u)
 
@@ -385,8 +389,8 @@ def around(radius: float, u: float) -> tuple[float, float]:
 def lambda_batch(kernel: Callable[..., float]) -> Batch:
     """A kernel of Lambda over arrays of directions (..., 3)."""
 
-    def above(x: float, y: float, z: float, p: Any) -> float:
-        return kernel(x, y, z, p) if z > HORIZON else inf
+    def above(w: Vector, p: Any) -> float:
+        return kernel(w, p) if w[2] > HORIZON else inf
 
     return Batch(above, [3])
 

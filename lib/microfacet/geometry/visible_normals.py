@@ -7,12 +7,12 @@ Beckmann's slopes (inverted in microfacet.geometry.visible_slopes), dupuy2023 fo
 from __future__ import annotations
 
 from math import sqrt
-from typing import Any
 
 from microfacet.arithmetic import turn
 from microfacet.geometry import visible_slopes
+from microfacet.geometry.roughness import Alphas
 from microfacet.geometry.visible_slopes import NOTHING, gaussian_slope, visible_gaussian_slope
-from microfacet.kernels import ByPrecision
+from microfacet.kernels import ByPrecision, Pair, Vector
 
 HORIZON = ByPrecision(double=1.5e-154, single=1.1e-19)  # the square of a lower height loses digits: it counts as 0
 EDGE = ByPrecision(double=8 * 2.0**-52, single=8 * 2.0**-23)  # of the sum of a cosine's terms, what rounding may change
@@ -21,9 +21,9 @@ SQRT_PI = visible_slopes.SQRT_PI
 STRAIGHT = ByPrecision(double=1e-150, single=1e-18)  # below this sine its square loses digits, and azimuth has no effect
 
 
-def unstretched(x: float, y: float, z: float, alpha_x: float, alpha_y: float) -> tuple[float, float, float]:
+def unstretched(w: Vector, p: Alphas) -> Vector:
     """The unit direction that a surface of unit roughness sees this direction as."""
-    x, y = alpha_x * x, alpha_y * y
+    x, y, z = p.alpha_x * w[0], p.alpha_y * w[1], w[2]
     scale = 1.0 / sqrt(x * x + y * y + z * z)
     return scale * x, scale * y, scale * z
 
@@ -37,13 +37,13 @@ def lacking(x: float, y: float, z: float) -> float:
     return max(EDGE * (abs(x) + abs(y) + abs(z)) - (x + y + z), 0.0)
 
 
-def sample_ggx(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float]:
+def sample_ggx(wo: Vector, u: Pair, p: Alphas) -> Vector:
     """A visible normal of GGX: mirror directions fill a spherical cap uniformly.
 
     The height on the cap is kept as its distance from the lower rim, so that no difference of near numbers is taken. The
     unstretched view need not have unit length: all else is longer by as much, until the normal is.
     """
-    alpha_x, alpha_y = p
+    (ox, oy, oz), (u1, u2), alpha_x, alpha_y = wo, u, p.alpha_x, p.alpha_y
     x, y, z = alpha_x * ox, alpha_y * oy, oz if oz > HORIZON else 1.0
     square = x * x + y * y
     height = z + sqrt(square + z * z)
@@ -59,9 +59,9 @@ def sample_ggx(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) ->
     return scale * hx, scale * hy, scale * above
 
 
-def sample_beckmann(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float]:
+def sample_beckmann(wo: Vector, u: Pair, p: Alphas) -> Vector:
     """A visible normal of Beckmann: the slope along the view from its visible share, the slope across independent."""
-    alpha_x, alpha_y = p
+    (ox, oy, oz), (u1, u2), alpha_x, alpha_y = wo, u, p.alpha_x, p.alpha_y
     vx, vy = alpha_x * ox, alpha_y * oy
     vz = oz if oz > HORIZON else 1.0
     vs = sqrt(vx * vx + vy * vy)

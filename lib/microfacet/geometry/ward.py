@@ -10,8 +10,9 @@ from microfacet import balls
 from microfacet.arithmetic import exp_minus_squares
 from microfacet.geometry.beckmann import FAR, PI, ROUGHNESSES, Beckmann, kernel_sample
 from microfacet.geometry.ggx import ROUGHNESS
+from microfacet.geometry.roughness import Alphas
 from microfacet.geometry.slopes import Stretched, normals_integral
-from microfacet.kernels import packed
+from microfacet.kernels import Vector
 from microfacet.notation import alpha, alpha_x, alpha_y, chi, q, raw, wm
 from microfacet.statement import Equation
 
@@ -68,7 +69,12 @@ def _substitution_steps() -> list[Any]:
     return [integrand - stated, sp.diff(-second / w, w) - sp.exp(-k * w) / w**2, sp.expand_func(sp.expint(2, k * w)) - second]
 
 
-def kernel_excess(x: float, y: float, z: float, p: Any) -> float:
+def kernel_D(wm: Vector, p: Alphas) -> float:
+    return compensated_D(wm[0], wm[1], wm[2], p.alpha_x, p.alpha_y)
+
+
+def kernel_excess(wm: Vector, p: Alphas) -> float:
+    z = wm[2]
     return (z * z) * (z * z)
 
 
@@ -79,7 +85,7 @@ class Ward(Stretched):
     statements: ClassVar = {"D": D, "projected_area": projected_area}
     regular = True
 
-    kernel = staticmethod(packed(compensated_D, 3, 2))
+    kernel = staticmethod(kernel_D)
     sample_kernel = staticmethod(kernel_sample)
     sampled_kernel = staticmethod(Beckmann.kernel)
     excess_kernel = staticmethod(kernel_excess)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache
 from math import sqrt
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 import sympy as sp
@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from microfacet.arithmetic import two_product, two_sum
 from microfacet.directions import cosines, real_number, within
-from microfacet.kernels import Batch, Parameters, packed
+from microfacet.kernels import Batch, Parameters
 from microfacet.notation import raw
 from microfacet.parameters import Parametric, each, shown, together
 from microfacet.statement import Equation
@@ -352,7 +352,10 @@ with sp.evaluate(False):
 
 
 class Fresnel(Parametric):
-    """A reflectance as a function of the cosine between light and facet normal."""
+    """A reflectance as a function of the cosine between light and facet normal.
+
+    parameters: what its kernel takes last, best a named tuple.
+    """
 
     kernel: ClassVar[Callable[..., float]]  # F(cosine, parameters)
     regular: ClassVar[bool] = False  # whether few nodes suffice for integrals over it; if not, more are taken
@@ -377,8 +380,52 @@ def _over_cosines(kernel: Callable[..., float]) -> Batch:
     return Batch(kernel, [1])
 
 
-def kernel_mirror(c: float, p: Any) -> float:
+class Index(NamedTuple):
+    """Parameter of `Dielectric`."""
+
+    eta: float
+
+
+class ComplexIndex(NamedTuple):
+    """Parameters of `Conductor`."""
+
+    eta: float
+    k: float
+
+
+class Ends(NamedTuple):
+    """Parameters of `Schlick`."""
+
+    F0: float
+    F90: float
+
+
+class TintedEnds(NamedTuple):
+    """Parameters of `F82Tint`."""
+
+    F0: float
+    tint: float
+    F90: float
+
+
+def kernel_mirror(cosine: float, p: tuple[()]) -> float:
     return 1.0
+
+
+def kernel_dielectric(cosine: float, p: Index) -> float:
+    return dielectric(cosine, p.eta)
+
+
+def kernel_conductor(cosine: float, p: ComplexIndex) -> float:
+    return conductor(cosine, p.eta, p.k)
+
+
+def kernel_schlick(cosine: float, p: Ends) -> float:
+    return schlick(cosine, p.F0, p.F90)
+
+
+def kernel_f82(cosine: float, p: TintedEnds) -> float:
+    return f82(cosine, p.F0, p.tint, p.F90)
 
 
 def _share(name: str, value: Any) -> float:
@@ -424,11 +471,11 @@ class Dielectric(Fresnel):
     label, cite = "dielectric", "cook1982"
     regular = True
 
-    kernel = staticmethod(packed(dielectric, 1, 1))
+    kernel = staticmethod(kernel_dielectric)
 
     def __init__(self, eta: ArrayLike) -> None:
         self.eta = each(_index, "eta", eta)
-        self.parameters = (self.eta,)
+        self.parameters = Index(self.eta)
 
 
 class Conductor(Fresnel):
@@ -440,11 +487,11 @@ class Conductor(Fresnel):
     label, cite = "conductor", "cook1982"
     regular = True
 
-    kernel = staticmethod(packed(conductor, 1, 2))
+    kernel = staticmethod(kernel_conductor)
 
     def __init__(self, eta: ArrayLike, k: ArrayLike) -> None:
         self.eta, self.k = together(eta=each(_index, "eta", eta), k=each(_absorption, "k", k))
-        self.parameters = (self.eta, self.k)
+        self.parameters = ComplexIndex(self.eta, self.k)
 
 
 class Schlick(Fresnel):
@@ -456,11 +503,11 @@ class Schlick(Fresnel):
     label, cite = "Schlick", "schlick1994"
     regular = True
 
-    kernel = staticmethod(packed(schlick, 1, 2))
+    kernel = staticmethod(kernel_schlick)
 
     def __init__(self, F0: ArrayLike, F90: ArrayLike = 1.0) -> None:
         self.F0, self.F90 = together(F0=each(_share, "F0", F0), F90=each(_share, "F90", F90))
-        self.parameters = (self.F0, self.F90)
+        self.parameters = Ends(self.F0, self.F90)
 
 
 class F82Tint(Fresnel):
@@ -475,12 +522,12 @@ class F82Tint(Fresnel):
     label, cite = "F82 tint", "hoffman2019"
     regular = True
 
-    kernel = staticmethod(packed(f82, 1, 3))
+    kernel = staticmethod(kernel_f82)
 
     def __init__(self, F0: ArrayLike, tint: ArrayLike = 1.0, F90: ArrayLike = 1.0) -> None:
         given = {"F0": F0, "tint": tint, "F90": F90}
         self.F0, self.tint, self.F90 = together(**{name: each(_share, name, value) for name, value in given.items()})
-        self.parameters = (self.F0, self.tint, self.F90)
+        self.parameters = TintedEnds(self.F0, self.tint, self.F90)
         cosine, lowest = lowest_f82(*self.parameters)
         if np.any(lowest < -LEAST):
             parts = np.broadcast_arrays(*self.parameters, cosine, lowest)

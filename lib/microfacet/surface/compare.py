@@ -17,7 +17,7 @@ from microfacet.directions import spherical
 from microfacet.geometry.slopes import Distribution, alpha_of
 from microfacet.surface.measure import Estimate, Plan, estimate, estimate_of
 from microfacet.visibility.masking import Masking
-from microfacet.visibility.smith import JOINT, Smith
+from microfacet.visibility.smith import CORRELATIONS, Smith
 from microfacet.visibility.v_cavity import VCavity
 
 Array = NDArray[np.float64]
@@ -26,7 +26,7 @@ NODES = 4  # of the rule over each bin, along either side
 
 def models(ndf: Distribution) -> dict[str, Masking]:
     """The physical models over one distribution: V-cavities, and Smith's with each form of its G2."""
-    return {"V-cavities": VCavity(ndf), **{f"Smith, {form}": Smith(ndf, form) for form in JOINT}}
+    return {"V-cavities": VCavity(ndf), **{f"Smith, {form}": Smith(ndf, form) for form in CORRELATIONS}}
 
 
 def lobe_of(model: Masking, wo: ArrayLike, plan: Plan) -> Array:

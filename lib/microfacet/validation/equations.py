@@ -303,12 +303,12 @@ def _pair_verdicts(sights: Sights, tolerance: float) -> list[Verdict]:
 def _both_ways(kernels: Kernels) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Pairs of directions, and G2 at their half vector for one as viewer, then for the other."""
     directions = _directions()
-    known = kernels.view([directions], kernels.parameters)
+    Lambda = kernels.Lambda([directions], kernels.parameters)
     first, second = np.triu_indices(DIRECTIONS, 1)
     wo, wi = directions[first], directions[second]
     h = (wo + wi) / np.linalg.norm(wo + wi, axis=1, keepdims=True)
-    there = kernels.shadowed([known[first], known[second], wo, wi, h], kernels.parameters)
-    return wo, wi, there, kernels.shadowed([known[second], known[first], wi, wo, h], kernels.parameters)
+    there = kernels.G2([Lambda[first], Lambda[second], wo, wi, h], kernels.parameters)
+    return wo, wi, there, kernels.G2([Lambda[second], Lambda[first], wi, wo, h], kernels.parameters)
 
 
 def _pair_verdict(name: str, values: np.ndarray, wo: np.ndarray, wi: np.ndarray, tolerance: float, seen: str) -> Verdict:

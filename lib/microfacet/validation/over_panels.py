@@ -2,8 +2,7 @@
 
 Panels on which D is as good as a polynomial are kept once for all views. From each view those that the edge of visibility cuts,
 or the line opposite, where V-cavities begin to mask, are cut in trapezoids and integrated anew. The errors follow from how the
-coefficients of the integrand fall on each piece. Only small kernels are compiled: D, what the model needs to know of a
-direction, G1 and G2.
+coefficients of the integrand fall on each piece. Only small kernels are compiled: D, Lambda, G1 and G2.
 """
 
 from __future__ import annotations
@@ -32,20 +31,20 @@ _MAPS = np.array(SQUARES)
 class Kernels(NamedTuple):
     """The kernels of a model over arrays, and what they take last."""
 
-    view: Batch  # of directions
-    masked: Batch  # of that, directions and normals
-    shadowed: Batch  # of that for two directions, both, and normals
+    Lambda: Batch  # of directions
+    G1: Batch  # of Lambda, directions and normals
+    G2: Batch  # of Lambda of two directions, both, and normals
     parameters: Any
 
 
 @cache
-def _batches(view: Any, masked: Any, shadowed: Any) -> tuple[Batch, Batch, Batch]:
-    return Batch(view, [3]), Batch(masked, [1, 3, 3]), Batch(shadowed, [1, 1, 3, 3, 3])
+def _batches(Lambda: Any, G1: Any, G2: Any) -> tuple[Batch, Batch, Batch]:
+    return Batch(Lambda, [3]), Batch(G1, [1, 3, 3]), Batch(G2, [1, 1, 3, 3, 3])
 
 
 def kernels_of(model: Masking) -> Kernels:
     """What a model is asked for. They are small, so that a user's own distribution takes no long to compile."""
-    return Kernels(*_batches(model.view_kernel, model.masked_kernel, model.shadowed_kernel), model.parameters)
+    return Kernels(*_batches(model.Lambda_kernel, model.G1_of_facet, model.G2_of_facet), model.parameters)
 
 
 class Pieces(NamedTuple):
@@ -135,12 +134,12 @@ class Sights:
 
     def __call__(self, wo: np.ndarray) -> list[Sight]:
         """Of views (n, 3), above the horizon."""
-        known = self.kernels.view([wo], self.kernels.parameters)
-        return [self._sight(view, float(of_view)) for view, of_view in zip(wo, known, strict=True)]
+        Lambda_o = self.kernels.Lambda([wo], self.kernels.parameters)
+        return [self._sight(view, float(of_view)) for view, of_view in zip(wo, Lambda_o, strict=True)]
 
-    def _sight(self, wo: np.ndarray, known: float) -> Sight:
+    def _sight(self, wo: np.ndarray, Lambda_o: float) -> Sight:
         parts = self._visible(wo)
-        values = [self._seen(part, wo, known) for part in parts]
+        values = [self._seen(part, wo, Lambda_o) for part in parts]
         weights = rule()[1]
         area = sum(float(((value @ weights) @ weights).sum()) for value in values)
         error = sum(_error(value) for value in values) + self.found.error + ROUNDING
@@ -148,15 +147,15 @@ class Sights:
         def draw() -> _Drawn:
             normals = np.concatenate([part.normals.reshape(-1, 3) for part in parts])
             shares = np.concatenate([(value * np.outer(weights, weights)).ravel() for value in values])
-            return _Drawn(self, wo, known, normals, shares)
+            return _Drawn(self, wo, Lambda_o, normals, shares)
 
         return Sight((area, error), draw)
 
-    def _seen(self, part: Pieces, wo: np.ndarray, known: float) -> np.ndarray:
+    def _seen(self, part: Pieces, wo: np.ndarray, Lambda_o: float) -> np.ndarray:
         """What G1 leaves of the facets, projected towards the view, over cos theta_o."""
         m = part.normals.reshape(-1, 3)
         cosine = m @ wo
-        masked = self.kernels.masked([np.array(known), wo, m], self.kernels.parameters)
+        masked = self.kernels.G1([np.array(Lambda_o), wo, m], self.kernels.parameters)
         return np.asarray(np.where(cosine > 0, masked * cosine / (wo[2] * m[:, 2]), 0)).reshape(part.mass.shape) * part.mass
 
     def _visible(self, wo: np.ndarray) -> list[Pieces]:
@@ -232,8 +231,8 @@ def _error(values: np.ndarray) -> float:
 class _Drawn:
     """Normals drawn as the view sees them: at equal steps of the area seen."""
 
-    def __init__(self, sights: Sights, wo: np.ndarray, known: float, normals: np.ndarray, shares: np.ndarray) -> None:
-        self.sights, self.wo, self.known, self.normals = sights, wo, known, normals
+    def __init__(self, sights: Sights, wo: np.ndarray, Lambda_o: float, normals: np.ndarray, shares: np.ndarray) -> None:
+        self.sights, self.wo, self.Lambda_o, self.normals = sights, wo, Lambda_o, normals
         self.heaped = np.cumsum(np.abs(shares))
 
     def _draw(self, count: int) -> np.ndarray:
@@ -252,7 +251,7 @@ class _Drawn:
         i, rest = summed(2 * cosine[:, None] * m, -o)
         h = o + i + rest
         h /= np.linalg.norm(h, axis=1, keepdims=True)
-        at_h, at_m = (kernels.masked([np.array(self.known), o, n], kernels.parameters) for n in (h, m))
+        at_h, at_m = (kernels.G1([np.array(self.Lambda_o), o, n], kernels.parameters) for n in (h, m))
         there, here = (self.sights.model.ndf.D(n) for n in (h, m))
         visible = visible_normals.scalar(at_m, cosine, here, o[2])
         mirrored = reflected.scalar(at_h, there, o[2]) * 4 * cosine
@@ -281,8 +280,8 @@ class _Drawn:
         i, m = i[up], m[up]
         ratios = np.zeros(len(up))
         if up.any():
-            lit = kernels.view([i], kernels.parameters)
-            both = kernels.shadowed([np.array(self.known), lit, o, i, m], kernels.parameters)
-            one = kernels.masked([np.array(self.known), o, m], kernels.parameters)
+            Lambda_i = kernels.Lambda([i], kernels.parameters)
+            both = kernels.G2([np.array(self.Lambda_o), Lambda_i, o, i, m], kernels.parameters)
+            one = kernels.G1([np.array(self.Lambda_o), o, m], kernels.parameters)
             ratios[up] = both / np.where(one == 0, 1, one)
         return ratios

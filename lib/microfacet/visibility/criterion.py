@@ -15,7 +15,7 @@ from typing import Any
 import sympy as sp
 
 from microfacet.geometry import ggx
-from microfacet.notation import P2, Lambda_o, alpha, mu_o, q, raw, theta_o
+from microfacet.notation import P2, Lambda_o, a, alpha, chi, mu_o, om, q, raw, theta_o
 from microfacet.statement import Equation
 from microfacet.visibility import smith, unphysical
 from microfacet.visibility.unphysical import k
@@ -147,7 +147,7 @@ def _schlick_steps(it: Equation) -> list[Any]:
     f, of_ggx = _f(schlick_G1), ggx.P2.equals.doit().subs({alpha: 1, q: x})
     return [
         it.symbol - it.equals.subs(it.where).doit(),
-        it.where[Lambda_o].doit() - ggx.Lambda.equals.doit().subs(ggx.a, mu_o / sp.sqrt(1 - mu_o**2)),
+        it.where[Lambda_o].doit() - ggx.Lambda.equals.doit().subs(a, mu_o / sp.sqrt(1 - mu_o**2)),
         sp.simplify(f - k * (sp.sqrt(1 + x**2) - x)),
         sp.simplify(sp.diff(f, x, 2) - 2 * k * of_ggx),
         sp.limit(f, x, sp.oo),
@@ -156,5 +156,5 @@ def _schlick_steps(it: Equation) -> list[Any]:
 
 
 def _implicit_steps() -> list[Any]:
-    stated = unphysical.implicit_G1.equals.doit().subs(unphysical.chi(unphysical.om), 1)
+    stated = unphysical.implicit_G1.equals.doit().subs(chi(om), 1)
     return [stated - mu_o, _f(mu_o) - _f(schlick_G1).subs(k, 1)]

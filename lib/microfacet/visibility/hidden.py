@@ -5,16 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache
 from math import sqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from microfacet.geometry.panels import NODES, SQUARES, Panels, rule
-from microfacet.kernels import Table
+from microfacet.kernels import Table, Vector
 
 MOST = NODES + 2  # nodes along a side
 PLACES, PORTIONS = (tuple(float(x) for n in range(1, MOST + 1) for x in rule(n)[part]) for part in (0, 1))  # of all counts
 ROW = 15  # numbers of a panel in the table
+
+
+class Panelled(NamedTuple):
+    """Parameters of `panels_Lambda`: see `table_of`."""
+
+    table: Table
 
 
 def table_of(found: Panels) -> Table:
@@ -44,7 +50,7 @@ def _hidden_part(D: Callable[..., float]) -> Callable[..., float]:
     """
 
     def hidden_part(g1: float, gu: float, gv: float, row: int, p: Any) -> float:
-        table = p[1]
+        table = p.model.table
         turned = abs(gu) < abs(gv)
         along, aside = (gv, gu) if turned else (gu, gv)
         enters = min(max(-g1 / aside, 0.0), 1.0) if aside != 0.0 else 0.0
@@ -68,7 +74,7 @@ def _hidden_part(D: Callable[..., float]) -> Callable[..., float]:
                     y = table[row + 3] + table[row + 4] * u + table[row + 5] * v
                     w = table[row + 6] + table[row + 7] * u + table[row + 8] * v
                     m = 1.0 / sqrt(x * x + y * y + w * w)
-                    density = D(-x * m, -y * m, w * m, p[0]) * ((m * m) * (m * m))
+                    density = D((-x * m, -y * m, w * m), p.ndf) * ((m * m) * (m * m))
                     total += (size * PORTIONS[j]) * (width * PORTIONS[i]) * (g1 + along * a + aside * b) * density
         return total * table[row + 9]
 
@@ -77,17 +83,18 @@ def _hidden_part(D: Callable[..., float]) -> Callable[..., float]:
 
 @cache
 def panels_Lambda(D: Callable[..., float]) -> Callable[..., float]:
-    """Lambda(x, y, z, (parameters, table)) of any distribution, given where it is: see `table_of`.
+    """Lambda(wo, p) of any distribution, given where it is: see `table_of`.
 
     Of a panel beyond the edge of visibility its moments tell what it hides; one that the edge cuts is integrated anew.
     """
     part = _hidden_part(D)
 
-    def panels_Lambda(x: float, y: float, z: float, p: Any) -> float:
+    def panels_Lambda(wo: Vector, p: Any) -> float:
+        x, y, z = wo
         across = sqrt(x * x + y * y)
         if across == 0.0:
             return 0.0
-        table = p[1]
+        table = p.model.table
         c, s, cot = x / across, y / across, abs(z) / across
         total = 0.0
         for row in range(0, len(table), ROW):

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import sympy as sp
 from numpy.typing import ArrayLike, NDArray
@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from microfacet.directions import uniform, vectors
 from microfacet.geometry.slopes import Distribution, normals_integral
 from microfacet.geometry.visible_normals import HORIZON
-from microfacet.kernels import Batch, Parameters
+from microfacet.kernels import Batch, Parameters, Vector
 from microfacet.notation import G1, D, mu_o, om, raw
 from microfacet.parameters import Parametric
 from microfacet.statement import Equation
@@ -62,39 +62,53 @@ with sp.evaluate(False):
 # --- what every model shares ------------------------------------------------------------------------------------------
 
 
+class ModelParameters(NamedTuple):
+    """What the kernels of a model take last: the parameters of its distribution, and its own."""
+
+    ndf: Any
+    model: Any
+
+
+def no_Lambda(w: Vector, p: ModelParameters) -> float:
+    """In place of Lambda for a model without it, whose masking has a formula of its own."""
+    return 0.0
+
+
 class Masking(Parametric):
     """A model of masking and shadowing over a distribution of normals.
 
-    ndf: the distribution. parameters: what the kernels take last: the distribution's parameters, then the model's own.
-    A model names three kernels: what it needs to know of a direction, once for all facets (`view_kernel`, by default
-    nothing); G1 given that; G2 given that for both directions. The last two take the cosines om = wo.wm and im = wi.wm, above
-    0: who calls them knows on which side of the facet a direction is. A BRDF does without a dot product, whose sign rounding
-    decides where both directions graze: at the half vector both cosines are half the length of wo + wi.
+    ndf: the distribution. own: the parameters of the model itself, best a named tuple. parameters: what the kernels take last,
+    p.ndf and p.model.
+    A model names three kernels: Lambda, which is computed once for each direction (by default 0), G1 given Lambda, and G2 given
+    that of both directions. The last two also take the cosines om = wo.wm and im = wi.wm, above 0: who calls them knows on
+    which side of the facet a direction is. A BRDF does without a dot product, whose sign rounding decides where both directions
+    graze: at the half vector both cosines are half the length of wo + wi.
     """
 
-    view_kernel: Callable[..., float]  # view(ox, oy, oz, parameters)
-    G1_of_cosine: Callable[..., float]  # G1(view, om, oz, mz, parameters)
-    G2_of_cosines: Callable[..., float]  # G2(view, light, om, im, ox, oy, oz, ix, iy, iz, mz, parameters)
-    parameters: Parameters
+    Lambda_kernel: Callable[..., float] = staticmethod(no_Lambda)  # Lambda(w, parameters)
+    G1_kernel: Callable[..., float]  # G1(Lambda_o, om, wo, wm, parameters)
+    G2_kernel: Callable[..., float]  # G2(Lambda_o, Lambda_i, om, im, wo, wi, wm, parameters)
+    parameters: ModelParameters
 
-    def __init__(self, ndf: Distribution) -> None:
+    def __init__(self, ndf: Distribution, own: Parameters = ()) -> None:
         if not isinstance(ndf, Distribution):
             raise ValueError(f"ndf must be a distribution of normals such as GGX(0.3), got {ndf!r}")
         self.ndf = ndf
-        self.parameters = (ndf.parameters, ())
+        self.parameters = ModelParameters(ndf.parameters, own)
 
     def G1(self, wo: ArrayLike, wm: ArrayLike) -> NDArray[Any]:
         """Share of the facets with normal wm that wo sees, in [0, 1] for a physical model; shapes (..., 3) -> (...)."""
-        return over_pairs(self.G1_kernel)([vectors("wo", wo), vectors("wm", wm)], self.parameters)
+        kernel = G1_of_directions(self.Lambda_kernel, self.G1_of_facet)
+        return over_pairs(kernel)([vectors("wo", wo), vectors("wm", wm)], self.parameters)
 
     def G2(self, wo: ArrayLike, wi: ArrayLike, wm: ArrayLike) -> NDArray[Any]:
         """Share of the facets with normal wm that both wo and wi see; shapes (..., 3) -> (...)."""
-        arrays = [vectors("wo", wo), vectors("wi", wi), vectors("wm", wm)]
-        return over_triples(self.G2_kernel)(arrays, self.parameters)
+        kernel = G2_of_directions(self.Lambda_kernel, self.G2_of_facet)
+        return over_triples(kernel)([vectors("wo", wo), vectors("wi", wi), vectors("wm", wm)], self.parameters)
 
     def D_visible(self, wo: ArrayLike, wm: ArrayLike) -> NDArray[Any]:
         """Distribution of the normals that wo sees, 1/sr; shapes (..., 3) -> (...). heitz2014."""
-        kernel = seen_by(self.view_kernel, visible_density(self.masked_kernel, type(self.ndf).kernel))
+        kernel = visible_density(self.Lambda_kernel, self.G1_of_facet, type(self.ndf).kernel)
         return over_pairs(kernel)([vectors("wo", wo), vectors("wm", wm)], self.parameters)
 
     def sample_visible(self, wo: ArrayLike, u: ArrayLike, out: NDArray[Any] | None = None) -> NDArray[Any]:
@@ -108,100 +122,69 @@ class Masking(Parametric):
         return _sampling(self.sampler)([vectors("wo", wo), uniform("u", u)], self.parameters, out)
 
     @property
-    def masked_kernel(self) -> Callable[..., float]:
-        """G1(view, ox, oy, oz, mx, my, mz, parameters); 0 at a facet turned away."""
-        return facing(self.G1_of_cosine)
+    def G1_of_facet(self) -> Callable[..., float]:
+        """G1(Lambda_o, wo, wm, parameters); 0 at a facet turned away."""
+        return G1_of_facet(self.G1_kernel)
 
     @property
-    def shadowed_kernel(self) -> Callable[..., float]:
-        """G2(view, light, ox, oy, oz, ix, iy, iz, mx, my, mz, parameters) at a facet turned to both directions."""
-        return between(self.G2_of_cosines)
+    def G2_of_facet(self) -> Callable[..., float]:
+        """G2(Lambda_o, Lambda_i, wo, wi, wm, parameters) at a facet turned to both directions."""
+        return G2_of_facet(self.G2_kernel)
 
     @property
-    def G1_kernel(self) -> Callable[..., float]:
-        """G1(ox, oy, oz, mx, my, mz, parameters)."""
-        return seen_by(self.view_kernel, self.masked_kernel)
-
-    @property
-    def G2_kernel(self) -> Callable[..., float]:
-        """G2(ox, oy, oz, ix, iy, iz, mx, my, mz, parameters)."""
-        return seen_and_lit(self.view_kernel, self.shadowed_kernel)
-
-    @property
-    def sampler(self) -> Callable[..., tuple[float, float, float]] | None:
-        """The kernel that samples visible normals, if there is one."""
+    def sampler(self) -> Callable[..., Vector] | None:
+        """The kernel that samples visible normals, sampler(wo, u, parameters), if there is one."""
         return None
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.ndf!r})"
 
 
-def nothing(ox: float, oy: float, oz: float, p: Any) -> float:
-    """What a model needs to know of a direction whose masking has a formula of its own."""
-    return 0.0
+def dot(a: Vector, b: Vector) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @cache
-def facing(masked: Callable[..., float]) -> Callable[..., float]:
+def G1_of_facet(G1: Callable[..., float]) -> Callable[..., float]:
     """G1 of a direction and a normal, given G1 of the cosine between them."""
 
-    def faced(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
-        cosine = ox * mx + oy * my + oz * mz
-        return masked(view, cosine, oz, mz, p) if cosine > 0.0 else 0.0
+    def G1_of_facet(Lambda_o: float, wo: Vector, wm: Vector, p: ModelParameters) -> float:
+        om = dot(wo, wm)
+        return G1(Lambda_o, om, wo, wm, p) if om > 0.0 else 0.0
 
-    return faced
+    return G1_of_facet
 
 
 @cache
-def between(shadowed: Callable[..., float]) -> Callable[..., float]:
+def G2_of_facet(G2: Callable[..., float]) -> Callable[..., float]:
     """G2 of two directions and a normal, given G2 of the cosines between them."""
 
-    def met(
-        view: float,
-        light: float,
-        ox: float,
-        oy: float,
-        oz: float,
-        ix: float,
-        iy: float,
-        iz: float,
-        mx: float,
-        my: float,
-        mz: float,
-        p: Any,
-    ) -> float:
-        om, im = ox * mx + oy * my + oz * mz, ix * mx + iy * my + iz * mz
-        return shadowed(view, light, om, im, ox, oy, oz, ix, iy, iz, mz, p)
+    def G2_of_facet(Lambda_o: float, Lambda_i: float, wo: Vector, wi: Vector, wm: Vector, p: ModelParameters) -> float:
+        return G2(Lambda_o, Lambda_i, dot(wo, wm), dot(wi, wm), wo, wi, wm, p)
 
-    return met
+    return G2_of_facet
 
 
 @cache
-def seen_by(view: Callable[..., float], kernel: Callable[..., float]) -> Callable[..., float]:
-    """A kernel of a direction and a normal that finds out for itself what it needs to know of the direction."""
+def G1_of_directions(Lambda: Callable[..., float], G1: Callable[..., float]) -> Callable[..., float]:
+    """G1 of any direction and any normal, with Lambda computed. G1: that of a facet."""
 
-    def seen(ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
-        return kernel(view(ox, oy, oz, p), ox, oy, oz, mx, my, mz, p) if oz > HORIZON else 0.0
+    def G1_of_directions(wo: Vector, wm: Vector, p: ModelParameters) -> float:
+        return G1(Lambda(wo, p), wo, wm, p) if wo[2] > HORIZON else 0.0
 
-    return seen
+    return G1_of_directions
 
 
 @cache
-def seen_and_lit(view: Callable[..., float], kernel: Callable[..., float]) -> Callable[..., float]:
-    """The same for two directions."""
+def G2_of_directions(Lambda: Callable[..., float], G2: Callable[..., float]) -> Callable[..., float]:
+    """The same for two directions; 0 unless both are above the surface and on the facet's outer side."""
 
-    def seen_and_lit(
-        ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, mx: float, my: float, mz: float, p: Any
-    ) -> float:
-        value = kernel(view(ox, oy, oz, p), view(ix, iy, iz, p), ox, oy, oz, ix, iy, iz, mx, my, mz, p)
-        return value if both_faces(ox, oy, oz, ix, iy, iz, mx, my, mz) else 0.0
+    def G2_of_directions(wo: Vector, wi: Vector, wm: Vector, p: ModelParameters) -> float:
+        value = G2(Lambda(wo, p), Lambda(wi, p), wo, wi, wm, p)
+        outside = wo[2] > HORIZON and wi[2] > HORIZON and dot(wo, wm) > 0.0 and dot(wi, wm) > 0.0
+        return value if outside else 0.0
 
-    return seen_and_lit
-
-
-def both_faces(ox: float, oy: float, oz: float, ix: float, iy: float, iz: float, mx: float, my: float, mz: float) -> bool:
-    """Whether both directions are above the surface and on the facet's outer side."""
-    return oz > HORIZON and iz > HORIZON and ox * mx + oy * my + oz * mz > 0.0 and ix * mx + iy * my + iz * mz > 0.0
+    return G2_of_directions
 
 
 @cache
@@ -217,7 +200,7 @@ def over_triples(kernel: Callable[..., float]) -> Batch:
 
 
 @cache
-def _sampling(kernel: Callable[..., tuple[float, float, float]]) -> Batch:
+def _sampling(kernel: Callable[..., Vector]) -> Batch:
     return Batch(kernel, [3, 2], 3)
 
 
@@ -225,13 +208,15 @@ stated_visible = visible_normals.scalar
 
 
 @cache
-def visible_density(masked: Callable[..., float], normals: Callable[..., float]) -> Callable[..., float]:
-    """The kernel of D_visible, given what the masking function needs to know of the direction."""
+def visible_density(
+    Lambda: Callable[..., float], G1: Callable[..., float], normals: Callable[..., float]
+) -> Callable[..., float]:
+    """The kernel of D_visible. G1: that of a facet. normals: the kernel of D."""
 
-    def density(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
-        cosine = ox * mx + oy * my + oz * mz
-        if not (oz > HORIZON and cosine > 0.0 and mz > 0.0):
+    def density(wo: Vector, wm: Vector, p: ModelParameters) -> float:
+        om = dot(wo, wm)
+        if not (wo[2] > HORIZON and om > 0.0 and wm[2] > 0.0):
             return 0.0
-        return stated_visible(masked(view, ox, oy, oz, mx, my, mz, p), cosine, 1.0, oz) * normals(mx, my, mz, p[0])
+        return stated_visible(G1(Lambda(wo, p), wo, wm, p), om, 1.0, wo[2]) * normals(wm, p.ndf)
 
     return density

@@ -16,11 +16,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache
 from math import atan, atanh, cos, pi, sqrt, tan, tanh
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from microfacet.kernels import Batch, ByPrecision
+from microfacet.geometry.roughness import SlopeScale
+from microfacet.kernels import Batch, ByPrecision, Pair, Vector
 
 LEVELS = (12, 16, 24, 32, 48, 64, 96)  # nodes along and across, rule after rule
 FIRST_HEAVY = ((10, 3), (12, 4), (14, 5), (16, 6))  # nodes along and across of the first rules, for tails of a power
@@ -32,7 +33,6 @@ BEYOND = ByPrecision(1.0 - 1e-9, 1.0 - 1e-5)  # an edge of visibility at this sh
 BEYOND_LIGHT = 0.995  # and at this one, nine scales out, beyond exponential ones
 PROBE, FALLEN = 4.0, 1e-4  # tails are exponential if at so many scales the density has fallen below this
 
-Pair = tuple[float, float]
 Nodes = tuple[np.ndarray, np.ndarray]
 
 
@@ -67,11 +67,11 @@ def equal_steps(count: int) -> Nodes:
     return nodes, np.full(count, 2 * reach / count)
 
 
-def _joined(rules: list[Nodes]) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:
+def _joined(rules: list[Nodes]) -> tuple[tuple[float, ...], tuple[float, ...], tuple[int, ...]]:
     """Nodes and weights of all rules one after another, and where each begins."""
     starts = np.cumsum([0, *(len(nodes) for nodes, _ in rules)])
     nodes, weights = (np.concatenate([rule[part] for rule in rules]) for part in (0, 1))
-    return tuple(map(float, nodes)), tuple(map(float, weights)), tuple(map(float, starts))
+    return tuple(map(float, nodes)), tuple(map(float, weights)), tuple(map(int, starts))
 
 
 # the first rules of the two kinds, then those of each level
@@ -84,17 +84,17 @@ RULES = [
 FEW, HIGH = len(FIRST_HEAVY), len(LEVELS) - 3  # the last three levels come when both kinds have failed
 HEAVY_LEVELS = 2 * FEW
 LIGHT_LEVELS = HEAVY_LEVELS + len(LEVELS)
-FOR_LIGHT = tuple(float(FEW <= rule < HEAVY_LEVELS or rule >= LIGHT_LEVELS) for rule in range(len(RULES)))
+FOR_LIGHT = tuple(FEW <= rule < HEAVY_LEVELS or rule >= LIGHT_LEVELS for rule in range(len(RULES)))
 
 
-def schedule() -> tuple[float, ...]:
+def schedule() -> tuple[int, ...]:
     """The rules in the order in which they are tried if tails of a power are likely, then if exponential ones are."""
     heavy = [*range(FEW), *range(HEAVY_LEVELS, HEAVY_LEVELS + HIGH)]
     light = [*range(FEW, 2 * FEW), *range(LIGHT_LEVELS, LIGHT_LEVELS + HIGH)]
     last = [(HEAVY_LEVELS + k, LIGHT_LEVELS + k) for k in range(HIGH, len(LEVELS))]
     heavy_first = heavy + light + [rule for pair in last for rule in pair]
     light_first = light + heavy + [rule for pair in last for rule in reversed(pair)]
-    return tuple(map(float, heavy_first + light_first))
+    return tuple(heavy_first + light_first)
 
 
 SCHEDULE = schedule()
@@ -107,32 +107,21 @@ ACROSS, PORTIONS, ACROSS_STARTS = _joined([rule[1] for rule in RULES])
 
 @cache
 def slope_strip(integrand: Callable[..., float]) -> Callable[..., float]:
-    """The kernel of the integral of integrand(view, o, m, p) over the normals m between two slopes along the view.
+    """The kernel of the integral of integrand(Lambda_o, wo, wm, p) over the normals wm between two slopes along the view.
 
-    rule: which of `RULES`. light: whether it is one for tails that fall exponentially. view: what the model needs to know
-    of the direction o, whose azimuth has cosine c and sine s. start, stop: the slopes, as shares of a quarter turn or as
-    tanh. Parameters: (p, scale), where p goes to the integrand and scale holds the two slope scales.
+    rule: which of `RULES`. light: whether it is one for tails that fall exponentially. Lambda_o: of wo, for models that have
+    it. azimuth: the cosine and the sine of that of wo. ends: the slopes, as shares of a quarter turn or as tanh.
     """
 
     def strip(
-        rule: int,
-        light: bool,
-        view: float,
-        ox: float,
-        oy: float,
-        oz: float,
-        c: float,
-        s: float,
-        start: float,
-        stop: float,
-        p: Any,
+        rule: int, light: bool, Lambda_o: float, wo: Vector, azimuth: Pair, ends: Pair, scale: SlopeScale, p: Any
     ) -> float:
-        alpha_x, alpha_y = p[1]
+        (c, s), (start, stop), alpha_x, alpha_y = azimuth, ends, scale.scale_x, scale.scale_y
         along = sqrt((c * alpha_x) * (c * alpha_x) + (s * alpha_y) * (s * alpha_y))
         aside = alpha_x * alpha_y / along
         shift = s * c * (alpha_y * alpha_y - alpha_x * alpha_x) / (along * along)
         total = 0.0
-        for k in range(int(STARTS[rule]), int(STARTS[rule + 1])):
+        for k in range(STARTS[rule], STARTS[rule + 1]):
             share = start + (stop - start) * (0.5 + 0.5 * NODES[k])
             if light:
                 q = along * LIGHT * atanh(share)
@@ -144,11 +133,11 @@ def slope_strip(integrand: Callable[..., float]) -> Callable[..., float]:
                 widening = aside / cos(angle)
                 stretch = along * 0.5 * pi / (cos(angle) * cos(angle))
             strong = 0.5 * WEIGHTS[k] * stretch * widening
-            for j in range(int(ACROSS_STARTS[rule]), int(ACROSS_STARTS[rule + 1])):
+            for j in range(ACROSS_STARTS[rule], ACROSS_STARTS[rule + 1]):
                 r = shift * q + widening * ACROSS[j]
                 x, y = c * q - s * r, s * q + c * r
                 m = 1.0 / sqrt(1.0 + x * x + y * y)
-                total += strong * PORTIONS[j] * (m * m * m) * integrand(view, ox, oy, oz, -x * m, -y * m, m, p[0])
+                total += strong * PORTIONS[j] * (m * m * m) * integrand(Lambda_o, wo, (-x * m, -y * m, m), p)
         return total * (stop - start)
 
     return strip
@@ -156,15 +145,18 @@ def slope_strip(integrand: Callable[..., float]) -> Callable[..., float]:
 
 @cache
 def light_tails(normals: Callable[..., float]) -> Callable[..., bool]:
-    """The kernel that looks whether a density of slopes has all but vanished at a few scales along each axis."""
+    """The kernel that looks whether a density of slopes has all but vanished at a few scales along each axis.
 
-    def light_tails(p: Any) -> bool:
+    normals: the kernel of D, and p its parameters.
+    """
+
+    def light_tails(scale: SlopeScale, p: Any) -> bool:
         centre, tail = 0.0, 0.0
         for k in range(3):
-            x = PROBE * p[1][0] if k == 1 else 0.0
-            y = PROBE * p[1][1] if k == 2 else 0.0
+            x = PROBE * scale.scale_x if k == 1 else 0.0
+            y = PROBE * scale.scale_y if k == 2 else 0.0
             m = 1.0 / sqrt(1.0 + x * x + y * y)
-            density = normals(-x * m, -y * m, m, p[0]) * ((m * m) * (m * m))
+            density = normals((-x * m, -y * m, m), p) * ((m * m) * (m * m))
             centre = density if k == 0 else centre
             tail = 0.0 if k == 0 else tail + density
         return tail < FALLEN * centre
@@ -183,29 +175,30 @@ def settled(integrand: Callable[..., float], hidden: bool = False) -> Callable[.
     strip = slope_strip(integrand)
 
     def settled(
-        begin: int, guess: bool, floor: float, enough: float, view: float, ox: float, oy: float, oz: float, p: Any
+        begin: int, guess: bool, floor: float, enough: float, Lambda_o: float, wo: Vector, scale: SlopeScale, p: Any
     ) -> Pair:
+        ox, oy, oz = wo
         across = sqrt(ox * ox + oy * oy)
         c = ox / across if across > 0.0 else 1.0
         s = oy / across if across > 0.0 else 0.0
-        along = sqrt((c * p[1][0]) * (c * p[1][0]) + (s * p[1][1]) * (s * p[1][1]))
+        along = sqrt((c * scale.scale_x) * (c * scale.scale_x) + (s * scale.scale_y) * (s * scale.scale_y))
         slope = oz / (across * along) if across > 0.0 else 1e30
         edge_heavy, edge_light = atan(slope) / (0.5 * pi), tanh(slope / LIGHT)
         heavy, steps, coarse_heavy, coarse_steps = UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN
         for turn in range(begin, TURNS):
-            rule = int(SCHEDULE[turn + TURNS if guess else turn])
-            light = FOR_LIGHT[rule] > 0.5
+            rule = SCHEDULE[turn + TURNS if guess else turn]
+            light = FOR_LIGHT[rule] > 0
             fine = 0.0
             if hidden:
                 exponential = light and edge_light < BEYOND
                 edge = edge_light if exponential else edge_heavy
-                fine = strip(rule, exponential, view, ox, oy, oz, c, s, edge, 1.0, p)
+                fine = strip(rule, exponential, Lambda_o, wo, (c, s), (edge, 1.0), scale, p)
             else:
                 edge = edge_light if light else edge_heavy
                 edge = 1.0 if edge > (BEYOND_LIGHT if light else BEYOND) else edge
                 for part in range(2):
                     start, stop = (-1.0, -edge) if part == 0 else (-edge, edge)
-                    fine += strip(rule, light, view, ox, oy, oz, c, s, start, stop, p) if stop > start else 0.0
+                    fine += strip(rule, light, Lambda_o, wo, (c, s), (start, stop), scale, p) if stop > start else 0.0
             coarse = steps if light else heavy
             coarse_steps, steps = (steps, fine) if light else (coarse_steps, steps)
             coarse_heavy, heavy = (coarse_heavy, heavy) if light else (heavy, fine)
@@ -219,18 +212,26 @@ def settled(integrand: Callable[..., float], hidden: bool = False) -> Callable[.
     return settled
 
 
+class Seen(NamedTuple):
+    """Parameters of an integral over the normals that a direction sees: the distribution's, the model's own, and the scale."""
+
+    ndf: Any
+    model: Any
+    scale: SlopeScale
+
+
 @cache
-def seen_batch(view: Callable[..., float], integrand: Callable[..., float], normals: Callable[..., float]) -> Batch:
+def seen_batch(Lambda: Callable[..., float], integrand: Callable[..., float], normals: Callable[..., float]) -> Batch:
     """The last two rules over arrays of view directions: (..., 3) -> (..., 2), the one of more nodes first.
 
-    view, integrand: see `slope_strip`. normals: the kernel of D, to which p[0] goes as its parameters.
+    Lambda, integrand: see `slope_strip`. normals: the kernel of D. Parameters: see `Seen`.
     """
     settle, fall = settled(integrand), light_tails(normals)
 
-    def both(ox: float, oy: float, oz: float, p: Any) -> Pair:
-        guess = fall((p[0][0], p[1]))
-        across = sqrt(ox * ox + oy * oy)
-        whole = guess and oz > FARTHEST * max(p[1][0], p[1][1]) * across
-        return settle(ONE_PANEL if whole else 0, guess, 0.0, AGREED, view(ox, oy, oz, p[0]), ox, oy, oz, p)
+    def both(wo: Vector, p: Seen) -> Pair:
+        guess = fall(p.scale, p.ndf)
+        across = sqrt(wo[0] * wo[0] + wo[1] * wo[1])
+        whole = guess and wo[2] > FARTHEST * max(p.scale.scale_x, p.scale.scale_y) * across
+        return settle(ONE_PANEL if whole else 0, guess, 0.0, AGREED, Lambda(wo, p), wo, p.scale, p)
 
     return Batch(both, [3], 2)

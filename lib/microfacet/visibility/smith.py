@@ -15,16 +15,17 @@ from microfacet import balls
 from microfacet.directions import one_of, vectors
 from microfacet.geometry import beckmann, ggx
 from microfacet.geometry.ggx import ROUGHNESS
+from microfacet.geometry.roughness import SlopeScale
 from microfacet.geometry.slopes import Distribution, lambda_batch
 from microfacet.geometry.ward import Ward
-from microfacet.kernels import ByPrecision
+from microfacet.kernels import ByPrecision, Pair, Vector
 from microfacet.notation import P2, Lambda_o, alpha, alpha_x, alpha_y, chi, mu_o, om, q, raw, theta_o, u, v, wo, y
 from microfacet.notation import alpha_o as roughness_o
 from microfacet.proofs import grounded
 from microfacet.statement import Equation
 from microfacet.visibility import shadowing
-from microfacet.visibility.hidden import panels_Lambda, table_of
-from microfacet.visibility.masking import Masking, hidden, seen
+from microfacet.visibility.hidden import Panelled, panels_Lambda, table_of
+from microfacet.visibility.masking import Masking, ModelParameters, dot, hidden, seen
 from microfacet.visibility.quadrature import (
     HEAVY_LEVELS,
     LIGHT_LEVELS,
@@ -207,25 +208,26 @@ TAIL = 7.0  # scales, beyond which the slopes of exponential tails hide less tha
 def _hiding(D: Callable[..., float]) -> Callable[..., float]:
     """What a facet hides: the projected area that it turns away."""
 
-    def hiding(view: float, ox: float, oy: float, oz: float, mx: float, my: float, mz: float, p: Any) -> float:
-        return max(-(ox * mx + oy * my + oz * mz), 0.0) * D(mx, my, mz, p[0])
+    def hiding(Lambda_o: float, wo: Vector, wm: Vector, p: ModelParameters) -> float:
+        return max(-dot(wo, wm), 0.0) * D(wm, p.ndf)
 
     return hiding
 
 
 @cache
 def quadrature_Lambda(D: Callable[..., float]) -> Callable[..., float]:
-    """Lambda(x, y, z, (parameters, scale)) of any distribution: the integral over the half-plane of hidden slopes.
+    """Lambda(wo, p) of any distribution: the integral over the half-plane of hidden slopes. p.model: its slope scale.
 
     By the rules of the validation: from few nodes on until two rules agree.
     """
     settle, fall = settled(_hiding(D), hidden=True), light_tails(D)
 
-    def tail_Lambda(x: float, y: float, z: float, p: Any) -> float:
+    def tail_Lambda(wo: Vector, p: ModelParameters) -> float:
+        x, y, z = wo
         if x * x + y * y == 0.0:
             return 0.0
-        inner = ((p[0], ()), p[1])
-        return settle(0, fall(p), LEAST * abs(z), CLOSE, 0.0, x, y, abs(z), inner)[0] / abs(z)
+        light = fall(p.model, p.ndf)
+        return settle(0, light, LEAST * abs(z), CLOSE, 0.0, (x, y, abs(z)), p.model, p)[0] / abs(z)
 
     return tail_Lambda
 
@@ -252,22 +254,23 @@ def radial_Lambda(D: Callable[..., float]) -> Callable[..., float]:
 
     fall = light_tails(D)
 
-    def ring_Lambda(x: float, y: float, z: float, p: Any) -> float:
+    def ring_Lambda(wo: Vector, p: ModelParameters) -> float:
+        x, y, z = wo
         across = sqrt(x * x + y * y)
         if across == 0.0:
             return 0.0
-        c, alpha, light = abs(z) / across, p[1][0], fall(p)
+        c, alpha, light = abs(z) / across, p.model.scale_x, fall(p.model, p.ndf)
         width = min(alpha, 1.0) if light else sqrt(alpha * alpha + c * c)
         last = asinh(TAIL * alpha / width) if light else 0.5 * pi
         before, total = 0.0, 0.0
         for rule in range(HEAVY_LEVELS, LIGHT_LEVELS):
             before, total = total, 0.0
-            for k in range(int(STARTS[rule]), int(STARTS[rule + 1])):
+            for k in range(STARTS[rule], STARTS[rule + 1]):
                 u = 0.5 * last * (1.0 + NODES[k])
                 s = width * (sinh(u) if light else tan(u))
                 stretch = width * (cosh(u) if light else 1.0 / (cos(u) * cos(u)))
                 m = 1.0 / sqrt(1.0 + c * c + s * s)
-                density = D(sqrt(c * c + s * s) * m, 0.0, m, p[0]) * ((m * m) * (m * m))
+                density = D((sqrt(c * c + s * s) * m, 0.0, m), p.ndf) * ((m * m) * (m * m))
                 total += last * WEIGHTS[k] * stretch * density * s * s * bend(s / c)
             if rule > HEAVY_LEVELS and abs(total - before) <= CLOSE * (LEAST * c + total):
                 break
@@ -276,11 +279,11 @@ def radial_Lambda(D: Callable[..., float]) -> Callable[..., float]:
     return ring_Lambda
 
 
-def view_of(ndf: Distribution) -> Callable[..., float]:
+def Lambda_of(ndf: Distribution) -> Callable[..., float]:
     """The cheapest kernel of Lambda for a distribution: a closed form, a rule known to suit it, or one for any distribution."""
     kind = type(ndf)
     if kind.closed_Lambda is not None:
-        return packed_Lambda(kind.closed_Lambda)
+        return closed_form(kind.closed_Lambda)
     if kind.kernel is Ward.kernel and ndf.isotropic:
         return radial_Lambda(kind.kernel)
     if kind.kernel is Ward.kernel and max(map(np.max, ndf.slope_scale)) <= LIKE_BECKMANN:
@@ -289,11 +292,11 @@ def view_of(ndf: Distribution) -> Callable[..., float]:
 
 
 @cache
-def packed_Lambda(closed: Callable[..., float]) -> Callable[..., float]:
-    """A closed-form Lambda behind the same parameters as the quadrature."""
+def closed_form(Lambda: Callable[..., float]) -> Callable[..., float]:
+    """A distribution's Lambda as one of a model over it."""
 
-    def closed_Lambda(x: float, y: float, z: float, p: Any) -> float:
-        return closed(x, y, z, p[0])
+    def closed_Lambda(w: Vector, p: ModelParameters) -> float:
+        return Lambda(w, p.ndf)
 
     return closed_Lambda
 
@@ -301,68 +304,53 @@ def packed_Lambda(closed: Callable[..., float]) -> Callable[..., float]:
 # --- the model --------------------------------------------------------------------------------------------------------
 
 smith_G1 = G1.scalar
-
-
-def masked(view: float, om: float, oz: float, mz: float, p: Any) -> float:
-    return smith_G1(om, view)
-
-
 separable, height = shadowing.separable.scalar, shadowing.height.scalar
 direction, height_direction = shadowing.direction.scalar, shadowing.height_direction.scalar
 azimuth_blend = shadowing.correlation.scalar
 
 
-def blended(ox: float, oy: float, ix: float, iy: float) -> float:
+def kernel_G1(Lambda_o: float, om: float, wo: Vector, wm: Vector, p: ModelParameters) -> float:
+    return smith_G1(om, Lambda_o)
+
+
+def blended(wo: Vector, wi: Vector) -> float:
     """lambda for the angle between two azimuths; at the pole, where there is none, it does not matter."""
-    return azimuth_blend(abs(atan2(ox * iy - oy * ix, ox * ix + oy * iy)))
+    return azimuth_blend(abs(atan2(wo[0] * wi[1] - wo[1] * wi[0], wo[0] * wi[0] + wo[1] * wi[1])))
 
 
-def joint_height(Lo: float, Li: float, ox: float, oy: float, ix: float, iy: float) -> float:
-    return height(Lo, Li)
+def G2_height(
+    Lambda_o: float, Lambda_i: float, om: float, im: float, wo: Vector, wi: Vector, wm: Vector, p: ModelParameters
+) -> float:
+    return height(Lambda_o, Lambda_i)
 
 
-def joint_none(Lo: float, Li: float, ox: float, oy: float, ix: float, iy: float) -> float:
-    return separable(Lo, Li)
+def G2_none(
+    Lambda_o: float, Lambda_i: float, om: float, im: float, wo: Vector, wi: Vector, wm: Vector, p: ModelParameters
+) -> float:
+    return separable(Lambda_o, Lambda_i)
 
 
-def joint_direction(Lo: float, Li: float, ox: float, oy: float, ix: float, iy: float) -> float:
-    return direction(Lo, Li, blended(ox, oy, ix, iy))
+def G2_direction(
+    Lambda_o: float, Lambda_i: float, om: float, im: float, wo: Vector, wi: Vector, wm: Vector, p: ModelParameters
+) -> float:
+    return direction(Lambda_o, Lambda_i, blended(wo, wi))
 
 
-def joint_height_direction(Lo: float, Li: float, ox: float, oy: float, ix: float, iy: float) -> float:
-    return height_direction(Lo, Li, blended(ox, oy, ix, iy))
+def G2_height_direction(
+    Lambda_o: float, Lambda_i: float, om: float, im: float, wo: Vector, wi: Vector, wm: Vector, p: ModelParameters
+) -> float:
+    return height_direction(Lambda_o, Lambda_i, blended(wo, wi))
 
 
-JOINT = dict(zip(CORRELATIONS, (joint_height, joint_none, joint_direction, joint_height_direction), strict=True))
-
-
-@cache
-def shadowed(joint: Callable[..., float]) -> Callable[..., float]:
-    def shadowed(
-        view: float,
-        light: float,
-        om: float,
-        im: float,
-        ox: float,
-        oy: float,
-        oz: float,
-        ix: float,
-        iy: float,
-        iz: float,
-        mz: float,
-        p: Any,
-    ) -> float:
-        return joint(view, light, ox, oy, ix, iy)
-
-    return shadowed
+G2_BY_CORRELATION = dict(zip(CORRELATIONS, (G2_height, G2_none, G2_direction, G2_height_direction), strict=True))
 
 
 @cache
-def of_distribution(kernel: Callable[..., Any]) -> Callable[..., Any]:
-    """A distribution's kernel of a view and two uniform numbers, for the parameters of a model over it."""
+def of_distribution(kernel: Callable[..., Vector]) -> Callable[..., Vector]:
+    """A distribution's sampler of visible normals as one of a model over it."""
 
-    def sampled(ox: float, oy: float, oz: float, u1: float, u2: float, p: Any) -> tuple[float, float, float]:
-        return kernel(ox, oy, oz, u1, u2, p[0])
+    def sampled(wo: Vector, u: Pair, p: ModelParameters) -> Vector:
+        return kernel(wo, u, p.ndf)
 
     return sampled
 
@@ -376,22 +364,23 @@ class Smith(Masking):
 
     label, cite = "Smith", "smith1967"
 
+    G1_kernel = staticmethod(kernel_G1)
+
     def __init__(self, ndf: Distribution, correlation: str = "height") -> None:
         super().__init__(ndf)
-        self.correlation = one_of("correlation", correlation, JOINT)
-        self.view_kernel = view_of(ndf)
-        by_panels = self.view_kernel is panels_Lambda(type(ndf).kernel)
+        self.correlation = one_of("correlation", correlation, CORRELATIONS)
+        self.Lambda_kernel, self.G2_kernel = Lambda_of(ndf), G2_BY_CORRELATION[correlation]
+        by_panels = self.Lambda_kernel is panels_Lambda(type(ndf).kernel)
         if by_panels:
             ndf.require_numbers("Lambda by quadrature")
-        self.parameters = (ndf.parameters, table_of(ndf.panels) if by_panels else ndf.slope_scale)
-        self.G1_of_cosine = masked
-        self.G2_of_cosines = shadowed(JOINT[correlation])
+        own = Panelled(table_of(ndf.panels)) if by_panels else SlopeScale(*ndf.slope_scale)
+        self.parameters = ModelParameters(ndf.parameters, own)
 
     def Lambda(self, wo: ArrayLike) -> NDArray[Any]:
         """Lambda(wo) = 1/G1 - 1, shapes (..., 3) -> (...); infinite at the horizon and below. heitz2014, section 5."""
-        return lambda_batch(self.view_kernel)([vectors("wo", wo)], self.parameters)
+        return lambda_batch(self.Lambda_kernel)([vectors("wo", wo)], self.parameters)
 
     @property
-    def sampler(self) -> Callable[..., tuple[float, float, float]] | None:
+    def sampler(self) -> Callable[..., Vector] | None:
         visible = type(self.ndf).sample_visible_kernel
         return None if visible is None else of_distribution(visible)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import pi, sqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import sympy as sp
@@ -12,10 +12,11 @@ from numpy.typing import ArrayLike
 from microfacet.directions import positive
 from microfacet.geometry import ggx
 from microfacet.geometry.slopes import Distribution, alpha_of
+from microfacet.kernels import Vector
 from microfacet.notation import Lambda_o, a, chi, im, mu_i, mu_o, om, raw
 from microfacet.parameters import double, each, together
 from microfacet.statement import Equation
-from microfacet.visibility.masking import Masking, nothing
+from microfacet.visibility.masking import Masking, ModelParameters
 
 k = sp.Symbol("k", nonnegative=True)
 COSINE = (1e-8, 1)
@@ -108,67 +109,40 @@ kelemen_masking, kelemen_both = kelemen_G1.scalar, kelemen_G2.scalar
 schlick_masking, schlick_both = schlick_G1.scalar, schlick_G2.scalar
 
 
-def implicit_masked(view: float, om: float, oz: float, mz: float, p: Any) -> float:
-    return implicit_masking(om, oz)
+def implicit_G1_kernel(Lambda_o: float, om: float, wo: Vector, wm: Vector, p: ModelParameters) -> float:
+    return implicit_masking(om, wo[2])
 
 
-def implicit_shadowed(
-    view: float,
-    light: float,
-    om: float,
-    im: float,
-    ox: float,
-    oy: float,
-    oz: float,
-    ix: float,
-    iy: float,
-    iz: float,
-    mz: float,
-    p: Any,
+def implicit_G2_kernel(
+    Lambda_o: float, Lambda_i: float, om: float, im: float, wo: Vector, wi: Vector, wm: Vector, p: ModelParameters
 ) -> float:
-    return implicit_both(oz, iz)
+    return implicit_both(wo[2], wi[2])
 
 
-def kelemen_masked(view: float, om: float, oz: float, mz: float, p: Any) -> float:
-    return kelemen_masking(om, oz)
+def kelemen_G1_kernel(Lambda_o: float, om: float, wo: Vector, wm: Vector, p: ModelParameters) -> float:
+    return kelemen_masking(om, wo[2])
 
 
-def kelemen_shadowed(
-    view: float,
-    light: float,
-    om: float,
-    im: float,
-    ox: float,
-    oy: float,
-    oz: float,
-    ix: float,
-    iy: float,
-    iz: float,
-    mz: float,
-    p: Any,
+def kelemen_G2_kernel(
+    Lambda_o: float, Lambda_i: float, om: float, im: float, wo: Vector, wi: Vector, wm: Vector, p: ModelParameters
 ) -> float:
-    return kelemen_both(oz, iz, om, im)
+    return kelemen_both(wo[2], wi[2], om, im)
 
 
-def schlick_masked(view: float, om: float, oz: float, mz: float, p: Any) -> float:
-    return schlick_masking(om, oz, p[1][0])
+def schlick_G1_kernel(Lambda_o: float, om: float, wo: Vector, wm: Vector, p: ModelParameters) -> float:
+    return schlick_masking(om, wo[2], p.model.k)
 
 
-def schlick_shadowed(
-    view: float,
-    light: float,
-    om: float,
-    im: float,
-    ox: float,
-    oy: float,
-    oz: float,
-    ix: float,
-    iy: float,
-    iz: float,
-    mz: float,
-    p: Any,
+def schlick_G2_kernel(
+    Lambda_o: float, Lambda_i: float, om: float, im: float, wo: Vector, wi: Vector, wm: Vector, p: ModelParameters
 ) -> float:
-    return schlick_both(oz, iz, p[1][0])
+    return schlick_both(wo[2], wi[2], p.model.k)
+
+
+class Flattening(NamedTuple):
+    """What Schlick's quotient has for a parameter."""
+
+    k: float
 
 
 class Implicit(Masking):
@@ -176,9 +150,8 @@ class Implicit(Masking):
 
     label, cite = "Implicit", "hoffman2010"
 
-    view_kernel = staticmethod(nothing)
-    G1_of_cosine = staticmethod(implicit_masked)
-    G2_of_cosines = staticmethod(implicit_shadowed)
+    G1_kernel = staticmethod(implicit_G1_kernel)
+    G2_kernel = staticmethod(implicit_G2_kernel)
 
 
 class Kelemen(Masking):
@@ -186,9 +159,8 @@ class Kelemen(Masking):
 
     label, cite = "Kelemen", "kelemen2001"
 
-    view_kernel = staticmethod(nothing)
-    G1_of_cosine = staticmethod(kelemen_masked)
-    G2_of_cosines = staticmethod(kelemen_shadowed)
+    G1_kernel = staticmethod(kelemen_G1_kernel)
+    G2_kernel = staticmethod(kelemen_G2_kernel)
 
 
 class SchlickSmith(Masking):
@@ -200,12 +172,11 @@ class SchlickSmith(Masking):
 
     label, cite = "Schlick-Smith", "schlick1994"
 
-    view_kernel = staticmethod(nothing)
-    G1_of_cosine = staticmethod(schlick_masked)
-    G2_of_cosines = staticmethod(schlick_shadowed)
+    G1_kernel = staticmethod(schlick_G1_kernel)
+    G2_kernel = staticmethod(schlick_G2_kernel)
 
     def __init__(self, ndf: Distribution, k: ArrayLike | None = None) -> None:
         super().__init__(ndf)
         self.k = double(np.maximum(*alpha_of(ndf))) * sqrt(2 / pi) if k is None else each(positive, "k", k)
         together(ndf=ndf, k=self.k)
-        self.parameters = (ndf.parameters, (self.k,))
+        self.parameters = ModelParameters(ndf.parameters, Flattening(self.k))

@@ -6,10 +6,11 @@ from typing import Any
 
 import sympy as sp
 
+from microfacet.kernels import Vector
 from microfacet.notation import chi, gm, im, mu_i, mu_o, om, raw, wm, wo
 from microfacet.proofs import grounded
 from microfacet.statement import Equation
-from microfacet.visibility.masking import Masking, nothing
+from microfacet.visibility.masking import Masking, ModelParameters
 
 facing = raw("o_dot_m", r"\left( \omega_o \cdot \omega_m \right)", real=True)
 opposite = raw("o_dot_opposite", r"\left( \omega_o \cdot \omega_m' \right)", real=True)
@@ -110,25 +111,14 @@ with sp.evaluate(False):
 cavity_G1, cavity_G2 = G1.scalar, G2.scalar
 
 
-def masked(view: float, om: float, oz: float, mz: float, p: Any) -> float:
-    return cavity_G1(om, mz, oz) if mz > 0.0 else 0.0
+def kernel_G1(Lambda_o: float, om: float, wo: Vector, wm: Vector, p: ModelParameters) -> float:
+    return cavity_G1(om, wm[2], wo[2]) if wm[2] > 0.0 else 0.0
 
 
-def shadowed(
-    view: float,
-    light: float,
-    om: float,
-    im: float,
-    ox: float,
-    oy: float,
-    oz: float,
-    ix: float,
-    iy: float,
-    iz: float,
-    mz: float,
-    p: Any,
+def kernel_G2(
+    Lambda_o: float, Lambda_i: float, om: float, im: float, wo: Vector, wi: Vector, wm: Vector, p: ModelParameters
 ) -> float:
-    return cavity_G2(om, im, mz, oz, iz) if mz > 0.0 else 0.0
+    return cavity_G2(om, im, wm[2], wo[2], wi[2]) if wm[2] > 0.0 else 0.0
 
 
 class VCavity(Masking):
@@ -136,6 +126,5 @@ class VCavity(Masking):
 
     label, cite = "V-cavities", "cook1982"
 
-    view_kernel = staticmethod(nothing)
-    G1_of_cosine = staticmethod(masked)
-    G2_of_cosines = staticmethod(shadowed)
+    G1_kernel = staticmethod(kernel_G1)
+    G2_kernel = staticmethod(kernel_G2)
