@@ -298,7 +298,8 @@ def inverted_lobe(wo: Vector, wi: Vector, p: Inverted) -> float:
 
 def lobe_of_arrays(wo: Vector, wi: Vector, p: Alphas) -> float:
     """Each turn has a roughness of its own, for which `inverse_square` would take longer than all else."""
-    return inverted_lobe(wo, wi, Inverted(p.alpha_x, p.alpha_y, (1.0 / p.alpha_x, 1.0), (1.0 / p.alpha_y, 1.0)))
+    inverse = 1.0 / (p.alpha_x * p.alpha_y)  # one division for both
+    return inverted_lobe(wo, wi, Inverted(p.alpha_x, p.alpha_y, (p.alpha_y * inverse, 1.0), (p.alpha_x * inverse, 1.0)))
 
 
 # --- the class ----------------------------------------------------------------------------------------------------------
