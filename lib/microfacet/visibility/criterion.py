@@ -15,11 +15,12 @@ from typing import Any
 import sympy as sp
 
 from microfacet.geometry import ggx
-from microfacet.notation import P2, Lambda_o, a, alpha, chi, mu_o, om, q, raw, theta_o
+from microfacet.notation import P2, Lambda_i, Lambda_o, a, alpha, chi, mu_i, mu_o, om, q, raw, theta_o
 from microfacet.statement import Equation
 from microfacet.visibility import smith, unphysical
 from microfacet.visibility.unphysical import k
 
+HALF = sp.Rational(1, 2)
 x = sp.Symbol("x", positive=True)  # the cotangent of the view's polar angle
 r, s = sp.symbols("r s", positive=True)
 P22_of_r = raw("P22_of_r", r"P_{22}(r)")
@@ -158,3 +159,67 @@ def _schlick_steps(it: Equation) -> list[Any]:
 def _implicit_steps() -> list[Any]:
     stated = unphysical.implicit_G1.equals.doit().subs(chi(om), 1)
     return [stated - mu_o, _f(mu_o) - _f(schlick_G1).subs(k, 1)]
+
+
+# --- what game engines use ----------------------------------------------------------------------------------------------
+
+mu = sp.Symbol("mu", positive=True)  # a cosine over the roughness
+
+
+def _engines() -> list[sp.Expr]:
+    """G2 as two engines and a talk write it: 4 cos cos times their visibility terms."""
+    joint = mu_i * (mu_o * (1 - alpha) + alpha) + mu_o * (mu_i * (1 - alpha) + alpha)
+    mixed = 2 * mu_o * mu_i * (1 - alpha) + (mu_o + mu_i) * alpha
+    return [4 * mu_o * mu_i * HALF / form for form in (joint, mixed)]
+
+
+with sp.evaluate(False):
+    engines = Equation(
+        key="visibility.criterion.engines",
+        title="the fast masking and shadowing of game engines, one function in three disguises",
+        symbol=raw("G2_fast", r"G_2(\omega_o, \omega_i, \omega_m)"),
+        means=2 * mu_o * mu_i / (2 * mu_o * mu_i * (1 - alpha) + (mu_o + mu_i) * alpha),
+        equals=1 / (1 + Lambda_o + Lambda_i),
+        where={Lambda_o: alpha / 2 * (1 / mu_o - 1), Lambda_i: alpha / 2 * (1 / mu_i - 1)},
+        proof=lambda it: [form - it.equals.subs(it.where).doit() for form in (it.means.doit(), *_engines())],
+        proved_by="sympy: both ways to write it put in",
+        slides=(58,),
+        cite="hammon2017; karis2013; guy2018",
+        note="Smith's, correlated by height, for a share alpha of GGX at alpha = 1 and a level rest.",
+    )
+    engines_least = Equation(
+        key="visibility.criterion.engines_least",
+        title="over GGX it shows too little, by less than a fifth",
+        symbol=raw("fast_over_smith", r"\frac{G_1^{\mathrm{fast}}(\omega_o)}{G_1(\omega_o)}"),
+        means=(mu + sp.sqrt(mu**2 * (1 - alpha**2) + 1)) / (2 * mu + 1 - alpha * mu),
+        equals=sp.Rational(4, 5),
+        relation=r"\ge",
+        proof=lambda it: _least_steps(it),
+        proved_by="sympy: both sides squared differ by a quadratic in mu without a real root; equal for mu = 3/4 where alpha tends to 0",
+        slides=(58,),
+        cite="hammon2017",
+        note="mu is cos theta_o over alpha; alpha is at most 1.",
+    )
+
+
+def _least_steps(it: Equation) -> list[Any]:
+    """5 root >= 4 (2 mu + 1 - alpha mu) - 5 mu, where that is positive: the difference of the squares is q2 mu^2 + q1 mu + 9."""
+    stated, cosine = it.means.doit(), alpha * mu
+    ratio = (1 + ggx.Lambda.equals.doit().subs(a, cosine / (alpha * sp.sqrt(1 - cosine**2)))) / (1 + (1 / mu - alpha) / 2)
+    root = sp.sqrt(mu**2 * (1 - alpha**2) + 1)
+    q2, q1 = 16 + 24 * alpha - 41 * alpha**2, 32 * alpha - 24
+    squares = 25 * root**2 - (4 * (2 * mu + 1 - alpha * mu) - 5 * mu) ** 2
+    return [
+        sp.simplify(ratio - stated),
+        sp.expand(squares - (q2 * mu**2 + q1 * mu + 9)),
+        sp.expand(q1**2 - 36 * q2 - 100 * alpha * (25 * alpha - 24)),  # negative below alpha = 24/25
+        sp.Integer(0 if _positive_beyond(q2, q1) else 1),
+        stated.subs({alpha: 0, mu: sp.Rational(3, 4)}) - it.equals,
+    ]
+
+
+def _positive_beyond(q2: sp.Expr, q1: sp.Expr) -> bool:
+    """From alpha = 24/25 to 1, where mu is at most 1/alpha: q2 >= -1, q1 > 0, so that q2 mu^2 + q1 mu + 9 > 0."""
+    ends = (sp.Rational(24, 25), sp.Integer(1))
+    concave = sp.diff(q2, alpha, 2) < 0  # so that its least value is at an end
+    return bool(concave and all(q2.subs(alpha, end) >= -1 and q1.subs(alpha, end) > 0 for end in ends))
