@@ -195,7 +195,7 @@ with sp.evaluate(False):
         equals=sp.Rational(4, 5),
         relation=r"\ge",
         proof=lambda it: _least_steps(it),
-        proved_by="sympy: both sides squared differ by a quadratic in mu without a real root; equal for mu = 3/4 where alpha tends to 0",
+        proved_by="sympy: squared, both sides differ by a quadratic in mu that has no real root; equal at mu = 3/4, alpha = 0",
         slides=(58,),
         cite="hammon2017",
         note="mu is cos theta_o over alpha; alpha is at most 1.",
@@ -203,7 +203,7 @@ with sp.evaluate(False):
 
 
 def _least_steps(it: Equation) -> list[Any]:
-    """5 root >= 4 (2 mu + 1 - alpha mu) - 5 mu, where that is positive: the difference of the squares is q2 mu^2 + q1 mu + 9."""
+    """5 root >= 4 (2 mu + 1 - alpha mu) - 5 mu, where that is positive: the squares differ by q2 mu^2 + q1 mu + 9."""
     stated, cosine = it.means.doit(), alpha * mu
     ratio = (1 + ggx.Lambda.equals.doit().subs(a, cosine / (alpha * sp.sqrt(1 - cosine**2)))) / (1 + (1 / mu - alpha) / 2)
     root = sp.sqrt(mu**2 * (1 - alpha**2) + 1)
