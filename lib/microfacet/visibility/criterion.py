@@ -15,25 +15,25 @@ from typing import Any
 import sympy as sp
 
 from microfacet.geometry import ggx
-from microfacet.notation import P2, Lambda_o, a, alpha, chi, mu_o, om, q, raw, theta_o
+from microfacet.notation import P2, Lambda_o, a, alpha, chi, mu_o, om, printed_symbol, q, theta_o
 from microfacet.statement import Equation
 from microfacet.visibility import smith, unphysical
 from microfacet.visibility.unphysical import k
 
 x = sp.Symbol("x", positive=True)  # the cotangent of the view's polar angle
 r, s = sp.symbols("r s", positive=True)
-P22_of_r = raw("P22_of_r", r"P_{22}(r)")
-level = raw("level", r"p_0", nonnegative=True)  # share of the surface that is level
-G1_view = raw("G1_view", r"G_1(\omega_o)", positive=True)
-f_prime = raw("f_prime_at_0", r"f'(0^{+})")
+P22_of_r = printed_symbol("P22_of_r", r"P_{22}(r)")
+level = printed_symbol("level", r"p_0", nonnegative=True)  # fraction of the surface that is level
+G1_view = printed_symbol("G1_view", r"G_1(\omega_o)", positive=True)
+f_prime = printed_symbol("f_prime_at_0", r"f'(0^{+})")
 
-# --- what f tells -------------------------------------------------------------------------------------------------------
+# --- what follows from f ----------------------------------------------------------------------------------------------
 
 with sp.evaluate(False):
     hidden_slopes = Equation(
         key="visibility.criterion.f",
         title="what a masking function of the view alone says of slopes",
-        symbol=raw("f_of_x", r"f(x)"),
+        symbol=printed_symbol("f_of_x", r"f(x)"),
         means=x * (1 / G1_view - 1),
         equals=sp.Integral((q - x) * P2(q), (q, x, sp.oo)),
         proof=lambda it: _hidden_steps(it),
@@ -45,7 +45,7 @@ with sp.evaluate(False):
     density = Equation(
         key="visibility.criterion.density",
         title="its second derivative is the density of slopes along the view",
-        symbol=raw("f_second", r"f''(x)"),
+        symbol=printed_symbol("f_second", r"f''(x)"),
         means=sp.Derivative(sp.Integral((q - x) * P2(q), (q, x, sp.oo)), (x, 2)),
         equals=P2(x),
         proof=lambda it: [it.means.doit() - it.equals, sp.diff(hidden_slopes.equals, x, 2) - it.equals],
