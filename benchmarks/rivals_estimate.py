@@ -15,7 +15,7 @@ from typing import Any
 
 import microfacet as mf
 import numpy as np
-from microfacet.arithmetic import turn
+from microfacet.arithmetic import cosine_and_sine
 from microfacet.directions import spherical
 from microfacet.geometry.slopes import Distribution
 from microfacet.geometry.visible_normals import unstretched
@@ -53,14 +53,14 @@ def ggx_normals(wo: Vector, u: Pair, p: ModelParameters) -> Vector:
     """Normals by their area, whoever looks."""
     (u1, u2), alpha_x, alpha_y = u, p.ndf.alpha_x, p.ndf.alpha_y
     r = sqrt(u1 / (1.0 - u1))
-    c, s = turn(u2)
+    c, s = cosine_and_sine(u2)
     return upright(alpha_x * r * c, alpha_y * r * s)
 
 
 def beckmann_normals(wo: Vector, u: Pair, p: ModelParameters) -> Vector:
     (u1, u2), alpha_x, alpha_y = u, p.ndf.alpha_x, p.ndf.alpha_y
     r = sqrt(-log(1.0 - u1))
-    c, s = turn(u2)
+    c, s = cosine_and_sine(u2)
     return upright(alpha_x * r * c, alpha_y * r * s)
 
 
@@ -92,7 +92,7 @@ def disk(wo: Vector, u: Pair, p: ModelParameters) -> Vector:
     c = vx / vs if vs > STRAIGHT else 1.0
     s = vy / vs if vs > STRAIGHT else 0.0
     r = sqrt(u1)
-    cosine, sine = turn(u2)
+    cosine, sine = cosine_and_sine(u2)
     first, half = r * cosine, 0.5 * (1.0 + vz)
     second = (1.0 - half) * sqrt(1.0 - first * first) + half * r * sine
     rest = 1.0 - first * first - second * second
@@ -117,7 +117,7 @@ def bounded(wo: Vector, u: Pair, p: ModelParameters) -> Vector:
     rim = bound(wo, alpha_x, alpha_y) * vz
     below = u2 * (1.0 + rim)
     radius = sqrt(below * (2.0 - below))
-    c, s = turn(u1)
+    c, s = cosine_and_sine(u1)
     return stretched_back(radius * c + vx, radius * s + vy, (1.0 - below) + vz, alpha_x, alpha_y)
 
 

@@ -10,7 +10,7 @@ import mpmath
 import numpy as np
 import pytest
 from microfacet import balls, checks
-from microfacet.checks import Mark
+from microfacet.checks import CheckResult
 from microfacet.notation import Direction
 
 WITH_DIRECTIONS = [key for key in mf.equations if any(isinstance(a, Direction) for a in mf.equations[key].over)]
@@ -125,24 +125,26 @@ def test_enclosures_are_told_by_the_widest() -> None:
     assert (figures["count"], figures["at"]) == (2, "a = 2")
     assert figures["radius"] == pytest.approx(1e-20, rel=1e-3)
     assert "low" not in figures
-    assert checks._enclosed_words(zero).endswith("at 2 points")
-    assert checks._enclosed_words(zero[:1]).endswith("for a = 1")
+    assert checks._enclosed_detail(zero).endswith("at 2 points")
+    assert checks._enclosed_detail(zero[:1]).endswith("for a = 1")
 
 
 def test_crosses_are_told_by_both_ends() -> None:
     off = [enclosure(0.25, 0.5, "a = 1"), enclosure(0.375, 1.0, "a = 2")]
     figures = checks._enclosed_figures(off)
     assert (figures["low"], figures["high"], figures["count"]) == (pytest.approx(0.25), pytest.approx(1.0), 2)
-    words = checks._enclosed_words(off)
+    words = checks._enclosed_detail(off)
     assert "a = 1" in words
     assert "a = 2" in words
 
 
 def test_a_mark_fails_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    record = checks.Record("a.b", {"symbolic": Mark("pass"), "enclosed": Mark("none"), "numeric": Mark("fail", "off")})
+    record = checks.StatementRecord(
+        "a.b", {"symbolic": CheckResult("pass"), "enclosed": CheckResult("none"), "numeric": CheckResult("fail", "off")}
+    )
     assert record.failures == ["numeric: off"]
     assert record.verdict == "fail"
-    assert checks.Record("a.b", {"symbolic": Mark("pass"), "numeric": Mark("none")}).verdict == "pass"
+    assert checks.StatementRecord("a.b", {"symbolic": CheckResult("pass"), "numeric": CheckResult("none")}).verdict == "pass"
 
 
 def test_domains_are_told_to_people() -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import sympy as sp
 from microfacet import checks, statement
-from microfacet.checks import Mark, check, numeric, symbolic, vanishes
+from microfacet.checks import CheckResult, check, numeric, symbolic, vanishes
 from microfacet.statement import Equation, equations
 
 x, theta = sp.symbols("x theta", positive=True)
@@ -222,7 +222,7 @@ def test_figures_of_enclosures_are_the_widest_and_the_ends_of_all():
 
 
 def test_record_says_what_failed_and_where():
-    record = checks.Record("a.b", {"numeric": Mark("fail", "off by 9 ulps")}, "microfacet.a, line 3").as_json()
+    record = checks.StatementRecord("a.b", {"numeric": CheckResult("fail", "off by 9 ulps")}, "microfacet.a, line 3").as_json()
     assert record["verdict"] == "fail"
     assert record["message"] == "a.b (microfacet.a, line 3): numeric: off by 9 ulps"
 

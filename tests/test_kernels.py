@@ -16,7 +16,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import mutually_broadcastable_shapes
-from microfacet.arithmetic import exp_minus_square, exp_minus_squares, turn, two_product, two_sum
+from microfacet.arithmetic import cosine_and_sine, exp_minus_square, exp_minus_squares, two_product, two_sum
 from microfacet.directions import points, uniform
 from microfacet.kernels import Batch, ByPrecision, Count, Table, layout, packed, source
 
@@ -434,7 +434,7 @@ def exponent(x: float) -> float:
 
 
 EXPONENT = Batch(packed(exponent, 1, 0), [1])
-TURN = Batch(packed(turn, 1, 0), [1], 2)
+TURN = Batch(packed(cosine_and_sine, 1, 0), [1], 2)
 
 
 @pytest.mark.parametrize(("real", "low", "high"), [(np.float64, -708.0, 709.0), (np.float32, -87.0, 88.0)])

@@ -6,7 +6,7 @@ import re
 
 import pytest
 import sympy as sp
-from microfacet.notation import chi, im, latex, om, raw
+from microfacet.notation import chi, im, latex, om, printed_symbol
 
 x, y, theta = sp.symbols("x y theta", positive=True)
 w = sp.Symbol("w", real=True)
@@ -86,6 +86,6 @@ def test_the_field_is_a_step() -> None:
 
 
 def test_a_symbol_may_be_printed_in_its_own_way() -> None:
-    symbol = raw("my_own_left_side", r"\mathcal{L}", positive=True)
+    symbol = printed_symbol("my_own_left_side", r"\mathcal{L}", positive=True)
     assert symbol.is_positive
     assert latex(symbol + 1) == r"1 + \mathcal{L}"

@@ -17,7 +17,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from microfacet import processors
 from microfacet.kernels import LONG, QUICKEST, Batch
-from microfacet.processors import PIECE, QUICK, Pace, apart, share, spread, threads
+from microfacet.processors import PIECE, QUICK, Pace, in_own_thread, parallel_map, spread, threads
 
 
 @pytest.mark.parametrize("count", ["1", "2", "5"])
@@ -25,14 +25,14 @@ from microfacet.processors import PIECE, QUICK, Pace, apart, share, spread, thre
 def test_results_come_in_the_order_of_the_jobs(count: str, jobs: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MICROFACET_THREADS", count)
     done: list[int] = []
-    assert share(lambda k: done.append(k) or 2 * k, [(k,) for k in range(jobs)]) == [2 * k for k in range(jobs)]
+    assert parallel_map(lambda k: done.append(k) or 2 * k, [(k,) for k in range(jobs)]) == [2 * k for k in range(jobs)]
     assert sorted(done) == list(range(jobs))
 
 
 def test_jobs_run_beside_one_another(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MICROFACET_THREADS", "3")
     meeting = threading.Barrier(3, timeout=20)
-    share(lambda: meeting.wait(), [()] * 3)
+    parallel_map(lambda: meeting.wait(), [()] * 3)
 
 
 @pytest.mark.parametrize("bad", [0, 7])
@@ -45,7 +45,7 @@ def test_an_error_reaches_the_caller(bad: int, monkeypatch: pytest.MonkeyPatch) 
             raise ValueError(f"job {k}")
 
     with pytest.raises(ValueError, match=f"job {bad}"):
-        share(work, [(k,) for k in range(8)])
+        parallel_map(work, [(k,) for k in range(8)])
 
 
 @pytest.mark.parametrize("count", ["1", "3"])
@@ -60,13 +60,13 @@ def test_after_an_error_no_further_job_is_begun(count: str, monkeypatch: pytest.
             raise ValueError
 
     with pytest.raises(ValueError, match=r"^$"):
-        share(work, [(k,) for k in range(100)])
+        parallel_map(work, [(k,) for k in range(100)])
     assert 3 < len(begun) + 1 <= 4 + 2 * int(count)
 
 
 def test_jobs_may_share_jobs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MICROFACET_THREADS", "2")
-    sums = share(lambda k: sum(share(lambda j: j, [(k + j,) for j in range(4)])), [(k,) for k in range(6)])
+    sums = parallel_map(lambda k: sum(parallel_map(lambda j: j, [(k + j,) for j in range(4)])), [(k,) for k in range(6)])
     assert sums == [4 * k + 6 for k in range(6)]
 
 
@@ -203,14 +203,14 @@ def test_a_short_call_is_one_call_of_the_loop(monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_what_is_done_apart_comes_back() -> None:
-    assert apart(lambda: 3) == 3
+    assert in_own_thread(lambda: 3) == 3
     with pytest.raises(ValueError, match="wrong"):
-        apart(lambda: int("wrong"))
+        in_own_thread(lambda: int("wrong"))
 
 
 WAITING = """
 import os, signal, threading, time
-from microfacet.processors import apart, apart
+from microfacet.processors import in_own_thread
 
 def interrupt():
     time.sleep(0.5)
@@ -219,7 +219,7 @@ def interrupt():
 threading.Thread(target=interrupt).start()
 begin = time.perf_counter()
 try:
-    apart(lambda: time.sleep(60))
+    in_own_thread(lambda: time.sleep(60))
 except KeyboardInterrupt:
     print(time.perf_counter() - begin)
 """

@@ -14,7 +14,7 @@ from microfacet.surface.measure import estimate
 from microfacet.surface.trace import HeightField
 from microfacet.validation.equations import ABOVE
 from microfacet.visibility.masking import no_Lambda
-from microfacet.visibility.quadrature import Seen, seen_batch
+from microfacet.visibility.quadrature import VisibleParameters, visible_integral
 from report.datafile import rounded, store
 
 CHECKED = np.linspace(0.1, 1.0, 10)
@@ -43,8 +43,8 @@ def made(alpha: float) -> tuple[float, float]:
 
 def measured(ndf) -> tuple[float, float]:
     """Area by quadrature, and its difference from a coarser rule."""
-    batch = seen_batch(no_Lambda, facets(type(ndf).kernel), type(ndf).kernel)
-    sums = batch([ABOVE], Seen(ndf.parameters, (), SlopeScale(*ndf.slope_scale)))
+    batch = visible_integral(no_Lambda, facets(type(ndf).kernel), type(ndf).kernel)
+    sums = batch([ABOVE], VisibleParameters(ndf.parameters, (), SlopeScale(*ndf.slope_scale)))
     return sums[0], abs(sums[0] - sums[1])
 
 

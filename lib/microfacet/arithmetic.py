@@ -87,7 +87,7 @@ def inverse_power(t: float, t_rest: float, power: float) -> float:
 
 # For |t| up to an eighth, in powers of t^2: sin(2 pi t)/t after its first term 2 pi was rounded, to 4e-18 of it; and
 # (cos(2 pi t) - 1)/t^2, to 4e-19 of the cosine. In single precision to 5e-9 and 5e-10.
-TURN = ByPrecision(double=6.283185307179586, single=6.2831854820251465)
+TWO_PI = ByPrecision(double=6.283185307179586, single=6.2831854820251465)
 SINE = (
     2.4492935982947064e-16,
     -41.34170224039967,
@@ -133,18 +133,18 @@ def _horner(coefficients: tuple[float, ...]) -> str:
 sine_rest, cosine_rest = _polynomial(SINE, SINE_SINGLE), _polynomial(COSINE, COSINE_SINGLE)
 
 
-def turn(u: float) -> tuple[float, float]:
-    """Cosine and sine of the share u, in [0, 1], of a full turn, each to a relative 2^-52 (2^-23), without a branch or a call.
+def cosine_and_sine(u: float) -> tuple[float, float]:
+    """Cosine and sine of 2 pi u, u in [0, 1], each to a relative 2^-52 (2^-23), without a branch or a call.
 
-    The nearest half turn is taken off exactly. Of the rest and of what it lacks of a quarter turn, the smaller one is at most
-    an eighth: its sine and cosine are polynomials, and change places if it is the latter.
+    The nearest multiple of 1/2 is subtracted exactly. Of the remainder and its complement to 1/4, the smaller one is at most
+    1/8: its sine and cosine are polynomials, and they are swapped if it is the complement.
     """
     half = 0.5 if u >= 0.25 else 0.0
     half = 1.0 if u >= 0.75 else half
     size = abs(u - half)
     lack = 0.25 - size
     t = min(size, lack)
-    sine = t * (TURN + sine_rest(t * t))
+    sine = t * (TWO_PI + sine_rest(t * t))
     cosine = 1.0 + (t * t) * cosine_rest(t * t)
     along = sine if lack < size else cosine
     aside = cosine if lack < size else sine

@@ -84,7 +84,7 @@ def middle(value: Ball) -> mpmath.mpf:
 
 
 def precision(bits: int) -> Any:
-    """A context in which balls are computed with so many bits."""
+    """A context in which balls are computed with this many bits."""
     from flint import ctx
 
     return ctx.workprec(bits)
@@ -478,7 +478,7 @@ def folded(form: Any, cut: Any) -> sp.Expr:
 
 
 def truncated(form: Any, cut: Any, tail: Any) -> sp.Expr:
-    """A form with its integral up to infinity as one up to the cut, and a share between 0 and 1 of a bound on the rest."""
+    """A form with its integral up to infinity as one up to the cut, and a fraction between 0 and 1 of a bound on the rest."""
     whole, (variable, low, inside) = _unbounded(form)
     return form.xreplace({whole: sp.Integral(inside, (variable, low, cut)) + SHARE * tail})
 

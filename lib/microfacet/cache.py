@@ -1,8 +1,8 @@
-"""Compiled code in a folder of the user's, for the next process; what is loaded is what was written.
+"""Compiled code in a folder of the user, for the next process; what is loaded is what was written.
 
-A file holds one compiled function. Its name is a digest of all that the code follows from: the text, the types, the compiler's
-version and the processor. So no file is ever out of date, and two processes that write the same one write the same code. In the
-file, a digest stands in front of the code: one that is torn or altered is made again.
+A file holds one compiled function. Its name is a digest of everything that determines the code: the text, the types, the
+version of the compiler and the processor. So no file is ever out of date, and two processes that write the same file write the
+same code. A digest precedes the code in the file: a torn or altered file is compiled again.
 
 To load compiled code is to run it, and a digest helps against accidents only. So a folder is used only if it belongs to the
 user and nobody else may write in it, and a file under the same condition. Who can write in a parent of the folder could at most
@@ -30,7 +30,7 @@ from typing import Any, cast
 
 SUFFIX = ".compiled"
 DIGEST = hashlib.sha256().digest_size
-ABANDONED = 3600.0  # seconds after which what a process began to write and did not finish is removed
+ABANDONED = 3600.0  # seconds after which an unfinished file is removed
 
 _ADVICE = "set MICROFACET_CACHE to a folder that only you can write, to compile but once"
 
@@ -40,18 +40,18 @@ class CacheWarning(UserWarning):
 
 
 def cache_directory() -> Path:
-    """Where compiled code is kept: $MICROFACET_CACHE, else `microfacet` in $XDG_CACHE_HOME, else in ~/.cache.
+    """The folder of compiled code: $MICROFACET_CACHE, else `microfacet` in $XDG_CACHE_HOME, else in ~/.cache.
 
     An empty variable counts as unset, and so does a relative $XDG_CACHE_HOME, as its specification says.
     """
     if chosen := os.environ.get("MICROFACET_CACHE"):
         return Path(chosen).absolute()
-    shared = Path(os.environ.get("XDG_CACHE_HOME", ""))
-    return (shared if shared.is_absolute() else Path.home() / ".cache") / "microfacet"
+    common = Path(os.environ.get("XDG_CACHE_HOME", ""))
+    return (common if common.is_absolute() else Path.home() / ".cache") / "microfacet"
 
 
 def key(*parts: object) -> str:
-    """The name of what is compiled from these by this compiler for this processor."""
+    """The name of the code compiled from these parts by this compiler for this processor."""
     import llvmlite
     import numba
     from numba.core.registry import cpu_target
@@ -62,7 +62,7 @@ def key(*parts: object) -> str:
 
 
 def load(name: str) -> Any:
-    """What was stored under this name, as the compiler's result; None if there is none that can be relied on."""
+    """The compiler's result stored under this name; None if there is none that can be trusted."""
     from numba.core.compiler import CompileResult
     from numba.core.registry import cpu_target
     from numba.core.runtime.nrt import rtsys
@@ -81,7 +81,7 @@ def load(name: str) -> Any:
 
 
 def store(name: str, compiled: Any) -> None:
-    """Keep the compiler's result for the next process, if there is a place for it."""
+    """Store the compiler's result for the next process, if there is a folder for it."""
     from numba.core.serialize import dumps
 
     folder = _folder()
@@ -95,16 +95,16 @@ def store(name: str, compiled: Any) -> None:
 
 
 def compiled(**options: Any) -> Callable[[Any], Any]:
-    """A decorator: numba's njit with these options, for functions of a module, kept here and not where numba would.
+    """A decorator: numba's njit with these options, for functions of a module, cached here and not in numba's folder.
 
-    They are compiled again when anything in their module's file changes. They may call none of another module's.
+    They are compiled again when anything in the file of their module changes. They may not call functions of other modules.
     """
     import numba
 
     def known(function: Any) -> Any:
         require_compiler()
         dispatcher: Any = cast(Any, numba.njit)(**options)(function)
-        dispatcher._cache = _Kept((_content(function.__code__.co_filename), function.__qualname__))
+        dispatcher._cache = _NumbaCache((_content(function.__code__.co_filename), function.__qualname__))
         return dispatcher
 
     return known
@@ -123,8 +123,8 @@ def require_compiler() -> None:
         raise RuntimeError("NUMBA_DISABLE_JIT is set, and microfacet's kernels have to be compiled: unset it")
 
 
-class _Kept:
-    """What numba asks for the compiled code of a function, and gives it to."""
+class _NumbaCache:
+    """The cache of one function, with the interface that numba expects."""
 
     cache_path = None
 
@@ -142,7 +142,7 @@ class _Kept:
 
 
 def _folder() -> Path | None:
-    """The folder, if there is one that this user alone can write."""
+    """The folder, if there is one that only this user can write."""
     try:
         folder = cache_directory()
         _make(folder)
@@ -216,13 +216,13 @@ def _write(path: Path, code: bytes) -> None:
 
 
 def _digest(path: Path, code: bytes) -> bytes:
-    """Of the code and of its name, so that a file that takes another's place is found out."""
+    """The digest of the code and of its name, so that a file under another's name is detected."""
     return hashlib.sha256(path.name.encode() + code).digest()
 
 
 @cache
 def _tidy(folder: Path) -> None:
-    """Remove, once in a process, what others were killed over while they wrote it."""
+    """Remove, once in a process, the unfinished files of processes that were killed."""
     for scratch in folder.glob("*.tmp"):
         with suppress(OSError):
             if time.time() - scratch.stat().st_mtime > ABANDONED:

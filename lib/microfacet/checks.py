@@ -23,8 +23,8 @@ AGREE = 30  # digits to which two forms of a statement must agree where both hav
 
 
 @dataclass
-class Mark:
-    """One kind of check: status is "pass", "fail" or "none" (does not apply); detail says what was found."""
+class CheckResult:
+    """One kind of check: status is "pass", "fail" or "none" (does not apply); detail describes the result."""
 
     status: str = "none"
     detail: str = ""
@@ -32,11 +32,11 @@ class Mark:
 
 
 @dataclass
-class Record:
-    """What the checks of one statement found."""
+class StatementRecord:
+    """The results of the checks of one statement."""
 
     key: str
-    marks: dict[str, Mark]
+    marks: dict[str, CheckResult]
     stated_at: str = ""
     over: str = ""
 
@@ -53,14 +53,14 @@ class Record:
         return {**asdict(self), "verdict": self.verdict, "message": message}
 
 
-def check(equation: Equation) -> Record:
+def check(equation: Equation) -> StatementRecord:
     """Every check that applies to the statement."""
     marks = {"symbolic": symbolic(equation), "enclosed": enclosed(equation), "numeric": numeric(equation)}
-    return Record(equation.key, marks, equation.stated_at, _domain(equation))
+    return StatementRecord(equation.key, marks, equation.stated_at, _domain(equation))
 
 
 def _domain(equation: Equation) -> str:
-    """For which arguments the statement makes its promise, for people."""
+    """The domain of the statement, in readable form."""
     return ", ".join(f"{s} on the {d}" if isinstance(d, str) else f"{s} in [{d[0]}, {d[1]}]" for s, d in equation.over.items())
 
 
@@ -68,7 +68,7 @@ def _domain(equation: Equation) -> str:
 
 
 def vanishes(expression: Any) -> bool:
-    """Whether sympy proves the expression to be zero; what is not zero somewhere is refused without a try."""
+    """Whether sympy proves the expression to be zero; it does not try if a value differs from zero."""
     attempts: tuple[Callable[[Any], Any], ...] = (
         lambda e: e,
         _on_circles,
@@ -96,14 +96,14 @@ def disproved(expression: Any) -> bool:
     random = np.random.default_rng(0)
     with balls.precision(4 * AGREE):
         for low, high in ((0.1, 0.9), (0.1, 0.9), (1.6, 3.0)):
-            found = value(*map(float, random.uniform(low, high, len(symbols))))
-            if found.is_finite() and not found.contains(0):
+            ball = value(*map(float, random.uniform(low, high, len(symbols))))
+            if ball.is_finite() and not ball.contains(0):
                 return True
     return False
 
 
 def _on_circles(expression: Any) -> Any:
-    """Sines and cosines as points on circles: what is left of the numerator once sin^2 = 1 - cos^2 is put in."""
+    """Sines and cosines as points on circles: the remainder of the numerator after sin^2 = 1 - cos^2 is substituted."""
     angles = {f.args[0] for f in expression.atoms(sp.sin, sp.cos, sp.tan)}
     if not angles:
         return expression
@@ -119,7 +119,7 @@ def _on_circles(expression: Any) -> Any:
 
 
 def _claims(equation: Equation) -> Iterable[tuple[str, Any]]:
-    """What has to vanish: definition against closed form, closed form against stable rewrite."""
+    """The expressions that must vanish: definition less closed form, closed form less stable rewrite."""
     if equation.proof is not None:
         for k, claim in enumerate(_steps(equation.proof, equation), 1):
             yield f"step {k} of the proof", claim
@@ -135,74 +135,74 @@ def _claims(equation: Equation) -> Iterable[tuple[str, Any]]:
 
 def _steps(proof: Callable[..., Sequence[Any]], equation: Equation) -> Sequence[Any]:
     """The claims of a proof; one that takes an argument is given the statement."""
-    return proof(equation) if looks(proof) else proof()
+    return proof(equation) if takes_statement(proof) else proof()
 
 
-def looks(proof: Callable[..., Any]) -> bool:
-    """Whether a proof wants to see the statement."""
+def takes_statement(proof: Callable[..., Any]) -> bool:
+    """Whether a proof takes the statement as an argument."""
     return any(parameter.default is parameter.empty for parameter in inspect.signature(proof).parameters.values())
 
 
-def symbolic(equation: Equation) -> Mark:
+def symbolic(equation: Equation) -> CheckResult:
     """Prove every claim of the statement with sympy."""
     claims = list(_claims(equation))
     failed = [name for name, claim in claims if not vanishes(claim)]
     if failed:
-        return Mark("fail", f"sympy cannot prove: {', '.join(failed)}")
+        return CheckResult("fail", f"sympy cannot prove: {', '.join(failed)}")
     if not claims:
-        return Mark("none", "enclosed only" if equation.enclosed else "a definition")
-    words = equation.proved_by or "sympy: " + ", ".join(name for name, _ in claims)
-    return Mark("pass", words, {"claims": len(claims)})
+        return CheckResult("none", "enclosed only" if equation.enclosed else "a definition")
+    detail = equation.proved_by or "sympy: " + ", ".join(name for name, _ in claims)
+    return CheckResult("pass", detail, {"claims": len(claims)})
 
 
 # --- enclosed -------------------------------------------------------------------------------------------------------
 
 
-def enclosed(equation: Equation) -> Mark:
-    """What ball arithmetic proves of left side minus right side."""
+def enclosed(equation: Equation) -> CheckResult:
+    """The enclosure of left side minus right side, by ball arithmetic."""
     if not equation.enclosed:
-        return Mark("none", "nothing to enclose")
+        return CheckResult("none", "nothing to enclose")
     if not balls.available():
-        return Mark("none", "python-flint is not installed")
+        return CheckResult("none", "python-flint is not installed")
     if not callable(equation.enclosed):
         return _enclosed_elsewhere(equation.enclosed)
-    found = list(equation.enclosed(equation))
-    broken = [e for e in found if not e.supports(equation.relation)]
-    if broken or not found:
-        return Mark("fail", "; ".join(f"{e.shown} at {e.where}" for e in broken) or "nothing was enclosed")
-    return Mark("pass", _enclosed_words(found), _enclosed_figures(found))
+    enclosures = list(equation.enclosed(equation))
+    broken = [e for e in enclosures if not e.supports(equation.relation)]
+    if broken or not enclosures:
+        return CheckResult("fail", "; ".join(f"{e.shown} at {e.where}" for e in broken) or "nothing was enclosed")
+    return CheckResult("pass", _enclosed_detail(enclosures), _enclosed_figures(enclosures))
 
 
-def _enclosed_words(found: Sequence[balls.Enclosure]) -> str:
-    if len(found) == 1:
-        return f"{found[0].shown} for {found[0].where}"
-    worst = max(found, key=lambda e: e.radius)
+def _enclosed_detail(enclosures: Sequence[balls.Enclosure]) -> str:
+    if len(enclosures) == 1:
+        return f"{enclosures[0].shown} for {enclosures[0].where}"
+    worst = max(enclosures, key=lambda e: e.radius)
     if worst.residual.contains(0):
-        return f"{worst.shown} at {len(found)} points"
-    return "; ".join(f"{e.shown} for {e.where}" for e in found)
+        return f"{worst.shown} at {len(enclosures)} points"
+    return "; ".join(f"{e.shown} for {e.where}" for e in enclosures)
 
 
-def _enclosed_figures(found: Sequence[balls.Enclosure]) -> dict[str, Any]:
-    worst = max(found, key=lambda e: e.radius)
-    figures: dict[str, Any] = {"radius": worst.radius, "at": worst.where, "count": len(found)}
-    if not any(e.residual.contains(0) for e in found):
+def _enclosed_figures(enclosures: Sequence[balls.Enclosure]) -> dict[str, Any]:
+    worst = max(enclosures, key=lambda e: e.radius)
+    figures: dict[str, Any] = {"radius": worst.radius, "at": worst.where, "count": len(enclosures)}
+    if not any(e.residual.contains(0) for e in enclosures):
         figures |= {
-            "low": min(float(e.residual.lower()) for e in found),
-            "high": max(float(e.residual.upper()) for e in found),
+            "low": min(float(e.residual.lower()) for e in enclosures),
+            "high": max(float(e.residual.upper()) for e in enclosures),
         }
     return figures
 
 
-def _enclosed_elsewhere(keys: Sequence[str]) -> Mark:
-    """A general statement, through the statements that carry it out for one model each."""
+def _enclosed_elsewhere(keys: Sequence[str]) -> CheckResult:
+    """A general statement, through the statements for the single models."""
     marks = {key: enclosed(equations[key]) for key in keys}
     broken = [key for key, mark in marks.items() if mark.status != "pass"]
     if broken:
-        return Mark("fail", f"not enclosed: {', '.join(broken)}")
+        return CheckResult("fail", f"not enclosed: {', '.join(broken)}")
     worst = max(marks.values(), key=lambda mark: mark.measured["radius"]).measured
     count = sum(mark.measured["count"] for mark in marks.values())
     detail = f"0 within {worst['radius']:.1e} at {count} points of {len(keys)} models"
-    return Mark("pass", detail, {**worst, "count": count})
+    return CheckResult("pass", detail, {**worst, "count": count})
 
 
 # --- numeric --------------------------------------------------------------------------------------------------------
@@ -224,30 +224,30 @@ def representable(exact: mpmath.mpf, real: type) -> bool:
 
 
 def is_computed(equation: Equation) -> bool:
-    """Whether the statement gives a kernel something to do."""
+    """Whether the statement has a kernel that depends on its arguments."""
     varies = equation.computed_by is not None or sp.sympify(equation.computed).free_symbols
     return bool(equation.over and varies)
 
 
-def numeric(equation: Equation) -> Mark:
+def numeric(equation: Equation) -> CheckResult:
     """Kernels against 50 digits, and the forms of the statement against each other, over the declared domain."""
     if not is_computed(equation):
-        return Mark("none", "nothing to compute")
+        return CheckResult("none", "nothing to compute")
     disagreement = forms_disagree(equation)
     if disagreement:
-        return Mark("fail", disagreement)
+        return CheckResult("fail", disagreement)
     measured: dict[str, Any] = {}
     for real, promise in zip((np.float64, np.float32), equation.within, strict=True):
         error, where = worst_error(equation, real)
         measured[real.__name__] = {"ulps": error, "at": where, "promised": promise}
     broken = [
-        f"{name} kernel off by {found['ulps']:.3g} ulps (promised {found['promised']:g}) at {found['at']}"
-        for name, found in measured.items()
-        if not found["ulps"] <= found["promised"]
+        f"{name} kernel off by {result['ulps']:.3g} ulps (promised {result['promised']:g}) at {result['at']}"
+        for name, result in measured.items()
+        if not result["ulps"] <= result["promised"]
     ]
     if broken:
-        return Mark("fail", "; ".join(broken), measured)
-    return Mark("pass", ", ".join(f"{name} {found['ulps']:.2g} ulps" for name, found in measured.items()), measured)
+        return CheckResult("fail", "; ".join(broken), measured)
+    return CheckResult("pass", ", ".join(f"{name} {result['ulps']:.2g} ulps" for name, result in measured.items()), measured)
 
 
 def worst_error(equation: Equation, real: type) -> tuple[float, str]:
@@ -302,23 +302,23 @@ def _ends(interval: Any) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def _interval(interval: Any, share: np.ndarray) -> np.ndarray:
-    """Shares of [0, 1] mapped to an interval, by magnitude when it spans more than two decades."""
+def _interval(interval: Any, fraction: np.ndarray) -> np.ndarray:
+    """Numbers in [0, 1] mapped to an interval, logarithmically when it spans more than two decades."""
     low, high = _ends(interval)
     if low > 0 and high > 100 * low:
-        return np.exp(np.log(low) + share * (np.log(high) - np.log(low))).clip(low, high)
-    return low + share * (high - low)
+        return np.exp(np.log(low) + fraction * (np.log(high) - np.log(low))).clip(low, high)
+    return low + fraction * (high - low)
 
 
 GRAZING = 1e-6 * math.pi / 180  # directions come this near to the horizon, in radians
 
 
-def _angle(share: np.ndarray, kind: str) -> np.ndarray:
+def _angle(fraction: np.ndarray, kind: str) -> np.ndarray:
     """Polar angles: dense near 0 and near the horizon, where formulae break."""
-    near = np.exp(np.log(1e-9) * (1 - share)) * math.pi / 4
-    far = math.pi / 2 - np.exp(np.log(GRAZING) * share)
-    theta = np.where(np.arange(len(share)) % 2 == 0, near, far)
-    return np.where(np.arange(len(share)) % 3 == 0, math.pi - theta, theta) if kind == "sphere" else theta
+    near = np.exp(np.log(1e-9) * (1 - fraction)) * math.pi / 4
+    far = math.pi / 2 - np.exp(np.log(GRAZING) * fraction)
+    theta = np.where(np.arange(len(fraction)) % 2 == 0, near, far)
+    return np.where(np.arange(len(fraction)) % 3 == 0, math.pi - theta, theta) if kind == "sphere" else theta
 
 
 def sample(equation: Equation, real: type) -> np.ndarray:
@@ -326,13 +326,13 @@ def sample(equation: Equation, real: type) -> np.ndarray:
     random = _random(equation)
     columns: list[np.ndarray] = []
     corners = list(itertools.islice(itertools.product((0.0, 1.0), repeat=len(equation.over)), 64))
-    shares = np.vstack([corners, random.random((POINTS - len(corners), len(equation.over)))])
-    for (argument, domain), share in zip(equation.over.items(), shares.T, strict=True):
+    fractions = np.vstack([corners, random.random((POINTS - len(corners), len(equation.over)))])
+    for (argument, domain), fraction in zip(equation.over.items(), fractions.T, strict=True):
         if isinstance(argument, Direction):
-            theta, phi = _angle(share, domain), random.random(len(share)) * 2 * math.pi
+            theta, phi = _angle(fraction, domain), random.random(len(fraction)) * 2 * math.pi
             columns += [np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)]
         else:
-            columns.append(_clip(_interval(domain, share).astype(real), domain, real))
+            columns.append(_clip(_interval(domain, fraction).astype(real), domain, real))
     return np.stack(columns, axis=1).astype(real)
 
 
@@ -354,8 +354,8 @@ def _printed_points(equation: Equation, symbols: Sequence[sp.Symbol]) -> Iterabl
             domains[argument] = domain
     random = _random(equation)
     while True:
-        shares = random.random((len(symbols), 1))
+        fractions = random.random((len(symbols), 1))
         yield [
-            mpmath.mpf(float(_interval(domains.get(s, (0.05, 1.5)), share)[0]))
-            for s, share in zip(symbols, shares, strict=True)
+            mpmath.mpf(float(_interval(domains.get(s, (0.05, 1.5)), fraction)[0]))
+            for s, fraction in zip(symbols, fractions, strict=True)
         ]

@@ -1,8 +1,8 @@
-"""How far a mean of independent draws may be from what it estimates, given what was drawn.
+"""Bounds of the error of a mean of independent draws, from the draws themselves.
 
-A standard error is no bound. It is small where what matters was hardly ever drawn, and from few parts it is itself a guess.
-The bounds here hold but for odds of `ODDS` each: of many independent draws, because no draw is larger than some number
-(audibert2009); of few parts, each a mean itself, because they scatter evenly (Student's t).
+A standard error is not a bound. It is small if rare large values were not drawn, and from few batches it is itself a rough
+estimate. Each bound here fails with probability `ODDS` at most: for many independent draws, because no draw exceeds some number
+(audibert2009); for few batches, each a mean itself, because these are normally distributed (Student's t).
 """
 
 from __future__ import annotations
@@ -15,17 +15,17 @@ import numpy as np
 
 ODDS = 1e-5
 _LOG = math.log(3 / ODDS)
-RARE = 3 * _LOG  # draws that may have been missed altogether
+RARE = 3 * _LOG  # number of draws that may have been missed altogether
 
 
 @cache
 def student(parts: int) -> float:
-    """How many standard errors a mean of so many parts, at least 2, is off at most."""
+    """Bound of the error of a mean of at least 2 batches, in standard errors."""
     from scipy.special import stdtrit
 
     return float(-stdtrit(parts - 1, ODDS / 2))
 
 
 def mean_bound(variance: Any, largest: Any, count: Any) -> Any:
-    """How far the mean of so many draws of this variance is off at most, if all lie between 0 and `largest`. audibert2009."""
+    """Bound of the error of a mean of `count` draws with this variance, all between 0 and `largest`. audibert2009."""
     return np.sqrt(2 * _LOG * variance / count) + RARE * largest / count

@@ -48,10 +48,10 @@ def spherical(theta: ArrayLike, phi: ArrayLike = 0.0) -> NDArray[Any]:
 
 
 class Argument(NamedTuple):
-    """An array of floats that a caller gave: its name, and what it may hold: "finite" numbers, a "share" in [0, 1), or in each
+    """An array of floats from a caller: its name, and the kind of its numbers: "finite", a "fraction" in [0, 1), or in each
     row a "direction".
 
-    Whoever reads it checks it: the loop of a kernel turn by turn, or `checked` in a pass of its own.
+    It is checked when it is read: row by row in the loop of a kernel, or by `checked` in a pass of its own.
     """
 
     name: str
@@ -59,7 +59,7 @@ class Argument(NamedTuple):
     kind: str
 
     def checked(self) -> np.ndarray:
-        """The array if it holds what it may; else a ValueError that names it, and a number that is out of place."""
+        """The array if all its numbers are valid; else a ValueError that names the argument and an invalid number."""
         array, name = self.array, self.name
         flat = array.reshape(-1)
         with np.errstate(over="ignore"):
@@ -67,7 +67,7 @@ class Argument(NamedTuple):
         if suspect and not np.isfinite(array).all():
             at = tuple(int(k) for k in np.argwhere(~np.isfinite(array))[0])
             raise ValueError(f"{name} must be finite, got {array[at]}" + (f" at index {at}" if at else ""))
-        if self.kind == "share" and array.size and not (array.min() >= 0 and array.max() < 1):
+        if self.kind == "fraction" and array.size and not (array.min() >= 0 and array.max() < 1):
             raise ValueError(f"{name} must lie in [0, 1), got {array.min()} to {array.max()}")
         if self.kind == "direction":
             _unit(name, array)
@@ -75,7 +75,7 @@ class Argument(NamedTuple):
 
 
 def _unit(name: str, array: np.ndarray) -> None:
-    """ValueError that names the first row which is no unit vector and not 0."""
+    """ValueError that names the first row that is neither a unit vector nor 0."""
     with np.errstate(over="ignore"):
         square = np.einsum("...k,...k->...", array, array)
     if (off := (np.abs(square - 1) > UNIT) & (square > 0)).any():
@@ -108,7 +108,7 @@ def numbers(name: str, values: Any) -> Argument:
 
 def uniform(name: str, values: Any) -> Argument:
     """The argument as an array (..., 2) of floats, in [0, 1) once checked."""
-    return _rows(name, values, 2, "share")
+    return _rows(name, values, 2, "fraction")
 
 
 def as_vectors(name: str, values: Any) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Families of models: every class that gives itself a `label`, in the library or outside, takes its place in every list.
+"""Families of models: every class that gives itself a `label`, in the library or outside, is in every list.
 
 The tables, the domain of trust, `choose` and the tests go through these. A file with a class is enough to be among them.
 """
@@ -31,18 +31,18 @@ def _ours(kind: type[Model]) -> bool:
 
 
 def key_of(kind: type[Model]) -> str:
-    """What a class is called in keys of statements: `normalized_blinn_phong` for NormalizedBlinnPhong."""
+    """The name of a class in keys of statements: `normalized_blinn_phong` for NormalizedBlinnPhong."""
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", kind.__name__).lower()
 
 
 def alphas_of(kind: type[Model]) -> int:
-    """How many roughnesses a class is made of: two, one, or none if its arguments are others."""
+    """How many arguments of a class are alphas: two, one, or none."""
     made_of: Any = kind
     return sum(name in ("alpha", "alpha_x", "alpha_y") for name in signature(made_of).parameters)
 
 
 def of_alpha(kind: type[Kind], alpha_x: float, alpha_y: float) -> Kind:
-    """The model of this roughness; a ValueError for two where the class has one."""
+    """The model of these alphas; a ValueError for two different ones where the class has one."""
     count = alphas_of(kind)
     if count < 2 and alpha_x != alpha_y:
         raise ValueError(f"{kind.__name__} has one roughness, got {alpha_x:g} and {alpha_y:g}")

@@ -1,6 +1,6 @@
 """Output files: written whole or not at all, and never over anything but a plain file.
 
-Also values that are kept from one run to the next, each beside a digest, so that what is torn or altered is not believed.
+Also values that are stored from one run to the next, each with a digest, so that torn or altered files are detected.
 Needs the standard library only.
 """
 
@@ -25,9 +25,9 @@ KINDS = {
 
 
 def writable(path: str | Path) -> Path:
-    """``path``, if a file can be put there: where nothing is, or a plain file. To be asked before the work starts.
+    """``path``, if a file can be written there: if it is free, or a plain file. To be called before the work starts.
 
-    ValueError, in one sentence, if there is a link, a folder, a device, a pipe or a socket, or if its folder is none or locked.
+    ValueError, in one sentence, if the path is a link, a folder, a device, a pipe or a socket, or its folder is not writable.
     """
     path = Path(path)
     if not path.name:
@@ -51,7 +51,7 @@ def _refuse_what_is_no_file(path: Path) -> None:
 
 
 def write(path: str | Path, content: bytes | str) -> None:
-    """Put ``content`` (text as UTF-8) into the file ``path``, making its folder: all of it, or what was there stays.
+    """Put ``content`` (text as UTF-8) into the file ``path``, making its folder: all of it, or the old file stays.
 
     ValueError where `writable` raises one; OSError, in one sentence, if the system refuses (a full disk, no permission).
     """
@@ -69,13 +69,13 @@ def write(path: str | Path, content: bytes | str) -> None:
 
 
 def keep(path: str | Path, value: Any) -> None:
-    """Keep ``value``, of what JSON knows, for another run."""
+    """Store ``value``, made of JSON types, for another run."""
     text = json.dumps(value, indent=1, ensure_ascii=False)
     write(path, f"{_digest(text)}\n{text}\n")
 
 
 def recall(path: str | Path) -> Any:
-    """What `keep` put there; None where there is nothing, or not all of it, or something else."""
+    """The value stored by `keep`; None if the file is missing, torn or altered."""
     try:
         digest, _, text = Path(path).read_text("utf-8").partition("\n")
     except (OSError, ValueError):

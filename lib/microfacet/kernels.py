@@ -2,16 +2,16 @@
 
 A kernel is written (or generated from a statement) as an ordinary Python function of floats, so it can be read, called
 and tested without a compiler. `Batch` collects the text of that function and of every function it calls into one
-program, and compiles a loop over arrays from it. Compiled code is kept under a name that its text decides (see `cache`),
-so that it can never be stale: another text is another file.
+program, and compiles a loop over arrays from it. The file name of compiled code in the cache is a digest of that text (see
+`cache`), so it can never be stale: a changed text has another name.
 
-What a kernel takes: of an array with a last axis a row, as a tuple (a direction is (x, y, z), two uniform numbers are
-(u1, u2)), of any other array a number; and last the parameters, a named tuple of numbers and of such tuples: D(wm, p) reads
-p.alpha_x. A plain tuple does as well.
+Arguments of a kernel: for an array with a last axis, one row as a tuple (a direction is (x, y, z), two uniform numbers are
+(u1, u2)); for any other array, one number; and last the parameters, a named tuple of numbers and of such tuples: D(wm, p)
+reads p.alpha_x. A plain tuple works as well.
 
 Rules for a kernel: floats only (write 2.0, not 2), no global state except constants, tuples of numbers, classes of named tuples
-and other kernels. Literals become single precision in a single-precision loop. It ends whatever it is given: what is no number
-is found while the loop runs.
+and other kernels. Literals become single precision in a single-precision loop. A kernel must terminate for any input, NaN
+included, since arguments are checked only while the loop runs.
 """
 
 from __future__ import annotations
@@ -35,24 +35,24 @@ import numpy as np
 
 from microfacet.cache import key, load, require_compiler, store
 from microfacet.directions import UNIT, Argument
-from microfacet.processors import QUICK, Pace, apart, spread
+from microfacet.processors import QUICK, Pace, in_own_thread, spread
 
 Vector = tuple[float, float, float]
 Pair = tuple[float, float]
 Parameters = tuple[Any, ...]
-Single = tuple[bool, ...]
-Kinds = tuple[str, ...]
+Broadcast = tuple[bool, ...]
+Checks = tuple[str, ...]
 Loop = Callable[..., bool]
-Varying = Any  # nested as parameters are: the place of each array in a row of them, None for all else
-Layout = Any  # nested as parameters are: the names of the fields, and the layouts of what they hold; see `layout`
-QUICKEST = 1e-9  # seconds that an element takes at least ...
-LONG = 1e-6  # ... and for how many it is taken where a loop within may take any time
-KEPT = 64  # sets of parameters that a loop is kept ready for
+Varying = Any  # nested like the parameters: the index of each array in a list of them, None for everything else
+Layout = Any  # nested like the parameters: the names of the fields, and the layouts of their values; see `layout`
+QUICKEST = 1e-9  # lower bound of the seconds per element ...
+LONG = 1e-6  # ... and the same for a kernel with an inner loop, whose time may vary from element to element
+PARAMETER_SETS = 64  # how many sets of parameters a kernel caches with the loop prepared for each
 
 _HEADER = """\
 from math import *
 import numpy as np
-from microfacet.kernels import named, shared
+from microfacet.kernels import jit_once, named
 from microfacet.widest import widest
 from numba import float32, float64, njit, types
 
@@ -71,7 +71,7 @@ class ByPrecision(float):
         return made
 
 
-# --- an exponential that takes several turns at once ---------------------------------------------------------------
+# --- an exponential that can be vectorized --------------------------------------------------------------------------
 
 SMALLEST, GREATEST = ByPrecision(-750.0, -110.0), ByPrecision(720.0, 92.0)  # exp is 0 below, infinite above
 ROUNDER = ByPrecision(6755399441055744.0, 12582912.0)  # 1.5 x 2^52, 1.5 x 2^23: adding it rounds to an integer
@@ -90,7 +90,7 @@ power_of_two.__compiled__ = {np.float64: _BITS.format(64, 1023, 52), np.float32:
 
 
 def exponential(x: float) -> float:
-    """exp(x) to an ulp without a branch or a call: what `exp` becomes in a kernel without a loop of its own.
+    """exp(x) to an ulp without a branch or a call: it replaces `exp` in a kernel without a loop of its own.
 
     x = k ln 2 + r with |r| below 0.35, where Taylor's series to r^13/13! suffices; 2^k in two factors, for subnormal results.
     """
@@ -115,16 +115,16 @@ def exponential(x: float) -> float:
     return ((1.0 + p) * power_of_two(half)) * power_of_two(k - half)
 
 
-IN_LOOPS: dict[Any, Any] = {exp: exponential}  # what takes the place of a function of `math` in a straight kernel
+VECTORIZED: dict[Any, Any] = {exp: exponential}  # replacements of functions of `math` in a kernel without a loop
 
 
-_REPLACING = tuple(f"{function.__name__}_" for function in IN_LOOPS.values())
+_REPLACING = tuple(f"{function.__name__}_" for function in VECTORIZED.values())
 
 # --- from functions to one text -----------------------------------------------------------------------------------
 
 
 def source(function: FunctionType) -> str:
-    """The text of a kernel: generated functions carry it, written ones are looked up."""
+    """The text of a kernel: generated functions carry it, for others it is looked up."""
     text = getattr(function, "__source__", None)
     if text is None:
         text = textwrap.dedent(inspect.getsource(function))
@@ -134,17 +134,17 @@ def source(function: FunctionType) -> str:
 
 
 def _bindings(function: FunctionType) -> dict[str, Any]:
-    """What the free names of a function stand for; names of fields are not among them."""
+    """The values of the free names of a function, without the names of attributes."""
     code = function.__code__
     free = [step.argval for step in dis.get_instructions(code) if step.opname == "LOAD_GLOBAL"]
-    found = {name: function.__globals__[name] for name in free if name in function.__globals__}
+    bindings = {name: function.__globals__[name] for name in free if name in function.__globals__}
     for name, cell in zip(code.co_freevars, function.__closure__ or (), strict=True):
-        found[name] = cell.cell_contents
-    return found
+        bindings[name] = cell.cell_contents
+    return bindings
 
 
 class _Embed(ast.NodeTransformer):
-    """Rename what a function calls, write its constants out, and give float literals the loop's precision."""
+    """Rename the functions that a function calls, inline its constants, and give float literals the loop's precision."""
 
     def __init__(self, name: str, names: dict[str, str], constants: dict[str, str]) -> None:
         self.name, self.names, self.constants = name, names, constants
@@ -167,7 +167,7 @@ class _Embed(ast.NodeTransformer):
         return _real(node) if isinstance(node.value, float) else node
 
     def visit_Call(self, node: ast.Call) -> ast.AST:
-        """Constants fit the loop's precision only: so must what comes into a function that replaces one of `math`."""
+        """The arguments of a replacement of `math` are cast: its constants are those of the loop's precision."""
         replaced = isinstance(node.func, ast.Name) and self.names.get(node.func.id, "").startswith(_REPLACING)
         self.generic_visit(node)
         if replaced:
@@ -200,7 +200,7 @@ def _digest(text: str) -> str:
 
 
 class _Program:
-    """The functions a kernel needs, each once, callees first. Their names tell their contents, callees' included."""
+    """The functions a kernel needs, each once, callees first. A name ends in a digest of the text, which names the callees."""
 
     def __init__(self, real: type) -> None:
         self.real = real
@@ -229,7 +229,7 @@ class _Program:
         if hasattr(function, "__compiled__"):
             return self._keep(function, *_named(function.__name__, function.__compiled__[self.real]))
         names, constants = {}, {}
-        replaced = {} if _has_loop(function) else IN_LOOPS
+        replaced = {} if _has_loop(function) else VECTORIZED
         for name, value in _bindings(function).items():
             value = replaced.get(value, value) if callable(value) else value
             if (known := self._defined(value)) is not None:
@@ -265,21 +265,21 @@ def _has_loop(function: FunctionType) -> bool:
 def _embedded(
     function: FunctionType, names: tuple[tuple[str, str], ...], constants: tuple[tuple[str, str], ...]
 ) -> tuple[str, str]:
-    """A function's name and text in a program, given what its free names are there."""
+    """The name and text of a function in a program, given the names and constants that replace its free names."""
     tree = _Embed("unnamed", dict(names), dict(constants)).visit(ast.parse(source(function)))
     return _named(function.__name__, ast.unparse(ast.fix_missing_locations(tree)))
 
 
-_STRAIGHT, _HAS_LOOP = "@shared(R, True)", "@shared(R, False)"
+_VECTORIZABLE, _HAS_LOOP = "@jit_once(R, True)", "@jit_once(R, False)"
 
 
 def _named(name: str, text: str) -> tuple[str, str]:
     unique = f"{name}_{_digest(text)}"
-    return unique, f"{_STRAIGHT if _straight(text) else _HAS_LOOP}\n{text.replace('def unnamed(', f'def {unique}(', 1)}"
+    return unique, f"{_VECTORIZABLE if _vectorizable(text) else _HAS_LOOP}\n{text.replace('def unnamed(', f'def {unique}(', 1)}"
 
 
-def _straight(text: str) -> bool:
-    """Whether a function has no loop, or one with nothing in it but arithmetic, which the compiler can unroll."""
+def _vectorizable(text: str) -> bool:
+    """Whether a function has no loop, or only loops of plain arithmetic, which the compiler can unroll."""
     nodes = list(ast.walk(ast.parse(text)))
     called = {node.func.id for node in nodes if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)}
     return called <= {"R", "min", "max", "abs", "range"} or not _loops(ast.parse(text))
@@ -289,21 +289,21 @@ def _loops(tree: ast.AST) -> bool:
     return any(isinstance(node, ast.For | ast.While) for node in ast.walk(tree))
 
 
-_shared: dict[tuple[Any, str], Any] = {}
+_jitted: dict[tuple[Any, str], Any] = {}
 
 
-def shared(real: Any, straight: bool) -> Callable[[FunctionType], Any]:
-    """Decorator of the functions in the text: the same one in two texts is compiled once in a process.
+def jit_once(real: Any, vectorizable: bool) -> Callable[[FunctionType], Any]:
+    """Decorator of the functions in the text: a function that stands in two texts is compiled once in a process.
 
-    straight: see `_straight`; it is put in the place of each call, or a loop could not take several turns at once.
+    vectorizable: see `_vectorizable`; such a function is inlined, since a loop with calls is not vectorized.
     """
 
     def known(function: FunctionType) -> Any:
         import numba
 
-        options = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True, "forceinline": straight}
+        options = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True, "forceinline": vectorizable}
         compiler: Any = cast(Any, numba.njit)(**options)
-        return _shared.setdefault((real, function.__name__), compiler(function))
+        return _jitted.setdefault((real, function.__name__), compiler(function))
 
     return known
 
@@ -313,10 +313,10 @@ def shared(real: Any, straight: bool) -> Callable[[FunctionType], Any]:
 
 @cache
 def named(*fields: str) -> Any:
-    """The class of named tuples with these fields that compiled code works with.
+    """The class of named tuples with these fields, for compiled code.
 
-    Code is compiled for plain tuples and names their fields itself, so that what is kept of it on disk refers to no class of a
-    caller's, which another process may not have: of such a class only the fields count.
+    Code is compiled for plain tuples and names their fields itself. So the cached code does not refer to a class of the
+    caller, which another process may not have: only the names of its fields matter.
     """
     return namedtuple("_".join(fields), fields)
 
@@ -327,9 +327,9 @@ def _fields(kind: Any) -> tuple[str, ...] | None:
 
 
 def layout(parameters: Any) -> Layout:
-    """How parameters are made: of each tuple the names of its fields, if it has any, and the layouts of its parts.
+    """The structure of parameters: for each tuple the names of its fields, if it has any, and the layouts of its elements.
 
-    None for what has no parts. Parameters of one layout are compiled alike if their numbers are of the same types.
+    None for a number or a table. Parameters of one layout are compiled alike if their numbers are of the same types.
     """
     if not isinstance(parameters, tuple) or isinstance(parameters, Table):
         return None
@@ -343,32 +343,32 @@ def _loop(
     name: str,
     widths: Sequence[int],
     outputs: int,
-    single: Sequence[bool],
-    kinds: Sequence[str],
+    broadcast: Sequence[bool],
+    checks: Sequence[str],
     parameters: str,
     varying: int,
 ) -> str:
-    """The text of the loop over flat arrays, row after row. Of a `single` one, the first row serves every turn.
+    """The text of the loop over flat arrays, row after row. A `broadcast` argument has one row, which is used for all.
 
-    parameters: the text of the kernel's, see `_rebuilt`; so many of the arrays, the last of all, are such as vary. It tells
-    whether all numbers looked as arguments of their kinds may hold them, while it has them at hand.
-    Flat arrays and indices that are multiples of the counter are what the compiler needs to take several turns at once.
+    parameters: the text of the kernel's parameters, see `_rebuilt`; the last `varying` arrays are parameters that vary. The
+    loop also checks the rows that it reads (`checks`: what each argument may hold), and returns whether all passed.
+    Only with flat arrays and indices that are multiples of the counter does the compiler vectorize the loop.
     """
     arrays = [f"a{k}" for k in range(len(widths))]
-    rows = [[f"b{k}_{c}" if single[k] else f"a{k}[{width} * i + {c}]" for c in range(width)] for k, width in enumerate(widths)]
+    rows = [[f"b{k}_{c}" if broadcast[k] else f"a{k}[{w} * i + {c}]" for c in range(w)] for k, w in enumerate(widths)]
     taken = [row[0] if widths[k] == 1 else f"({', '.join(row)})" for k, row in enumerate(rows)]
     known = len(widths) - varying
-    loads = [f"{row[c]} = a{k}[{c}]" for k, row in enumerate(rows) if single[k] for c in range(len(row))]
-    slices = [f"a{k} = a{k}[{w} * start : {w} * stop]" for k, w in enumerate(widths) if not single[k]]
+    loads = [f"{row[c]} = a{k}[{c}]" for k, row in enumerate(rows) if broadcast[k] for c in range(len(row))]
+    slices = [f"a{k} = a{k}[{w} * start : {w} * stop]" for k, w in enumerate(widths) if not broadcast[k]]
     slices.append(f"out = out[{outputs} * start : {outputs} * stop]")
-    of_turn = [*(f"v{k} = {value}" for k, value in enumerate(taken[known:])), f"q = {parameters}"]
+    of_row = [*(f"v{k} = {value}" for k, value in enumerate(taken[known:])), f"q = {parameters}"]
     call = f"{name}({', '.join([*taken[:known], 'q'])})"
     store = ", ".join(f"out[{outputs} * i + {c}]" for c in range(outputs))
     inputs = "types.Array(R, 1, 'C', readonly=True), " * len(widths)
-    once, each = (_checks([(kinds[k], row) for k, row in enumerate(rows) if single[k] is alone]) for alone in (True, False))
-    before = "".join(f"        {line}\n" for line in [*loads, *slices, "good = True", *once, *([] if varying else of_turn)])
-    within = "".join(f"            {line}\n" for line in [*(of_turn if varying else []), f"{store} = {call}", *each])
-    described = repr((name, widths, outputs, single, kinds, parameters))
+    once, each = (_check_lines([(checks[k], row) for k, row in enumerate(rows) if broadcast[k] is b]) for b in (True, False))
+    before = "".join(f"        {line}\n" for line in [*loads, *slices, "good = True", *once, *([] if varying else of_row)])
+    within = "".join(f"            {line}\n" for line in [*(of_row if varying else []), f"{store} = {call}", *each])
+    described = repr((name, widths, outputs, broadcast, checks, parameters))
     unique = f"loop_{_digest(described)}"  # loops of all programs share one name space
     return (
         f"def compiled(p):\n"
@@ -389,7 +389,7 @@ def _count(varying: Varying) -> int:
 
 
 def _rebuilt(shape: Layout, varying: Varying, program: _Program, path: str = "p") -> str:
-    """The text of the parameters of one turn, with names: the k-th that varies is vk, all else is found along the path."""
+    """The text of the parameters for one row, with fields: the k-th varying one is vk, the others are indexed from path."""
     if isinstance(varying, int):
         return f"v{varying}"
     if shape is None or not (varying or _names(shape)):
@@ -405,31 +405,31 @@ def _names(shape: Layout) -> bool:
     return shape is not None and (bool(shape[0]) or any(map(_names, shape[1])))
 
 
-def _checks(rows: Sequence[tuple[str, Sequence[str]]]) -> list[str]:
-    """Lines that clear `good` where a number is none that its kind allows.
+def _check_lines(rows: Sequence[tuple[str, Sequence[str]]]) -> list[str]:
+    """Lines that clear `good` where an argument holds a number that its check does not allow.
 
-    A sum is finite only if all its terms are. One of finite terms may overflow, and a direction be the zero vector that a
-    sampler returned: who called the loop then looks at each.
+    A sum is finite only if all its terms are. But a sum of finite terms may overflow, and a direction may be the zero vector
+    that a sampler returned: the caller of the loop then checks each number (`_refuse`).
     """
     finite = [value for kind, row in rows if kind == "finite" for value in row]
     lines = [f"total = {' + '.join(finite)}", "good &= total - total == R(0.0)"] if finite else []
     for square in (" + ".join(f"{value} * {value}" for value in row) for kind, row in rows if kind == "direction"):
         lines += [f"square = {square}", f"good &= abs(square - R(1.0)) <= R({UNIT})"]
-    shares = [value for kind, row in rows if kind == "share" for value in row]
-    return [*lines, *(f"good &= ({value} >= R(0.0)) & ({value} < R(1.0))" for value in shares)]
+    fractions = [value for kind, row in rows if kind == "fraction" for value in row]
+    return [*lines, *(f"good &= ({value} >= R(0.0)) & ({value} < R(1.0))" for value in fractions)]
 
 
 @cache
 def _machine_code(text: str, kind: Any) -> Any:
-    """The compiler's result for a program and the type of its parameters: from the cache, else made and put there."""
+    """The compiler's result for a program and the type of its parameters: from the cache, else compiled and stored there."""
     from microfacet import widest
 
-    name = key(text, kind, inspect.getsource(shared), inspect.getsource(widest))
-    found = load(name)
-    if found is None:
-        found = apart(lambda: _compile(text, kind))
-        store(name, found)
-    return found
+    name = key(text, kind, inspect.getsource(jit_once), inspect.getsource(widest))
+    code = load(name)
+    if code is None:
+        code = in_own_thread(lambda: _compile(text, kind))
+        store(name, code)
+    return code
 
 
 def _compile(text: str, kind: Any) -> Any:
@@ -443,7 +443,7 @@ def _compile(text: str, kind: Any) -> Any:
 
 
 def _separated(parameters: Any, arrays: list[np.ndarray]) -> tuple[Varying, Any]:
-    """Where the parameters hold arrays, which are added to the list, and the parameters with numbers in their places."""
+    """Where the parameters hold arrays, and the parameters with 0 in place of each array. The arrays are added to the list."""
     if isinstance(parameters, np.ndarray):
         known = [k for k, array in enumerate(arrays) if array is parameters]
         if not known:
@@ -458,15 +458,15 @@ def _separated(parameters: Any, arrays: list[np.ndarray]) -> tuple[Varying, Any]
 
 
 class Table(tuple[float, ...]):
-    """Many numbers among the parameters of a kernel, whose count may differ from one set to another: compiled as an array."""
+    """A parameter of a kernel that holds any number of values: compiled as an array, so that one loop serves all lengths."""
 
 
 class Count(int):
-    """A whole number among the parameters of a kernel, which stays one: how many, or which. Other integers become floats."""
+    """A parameter of a kernel that stays an integer: a count or an index. Other integers become floats."""
 
 
 def _cast(parameters: Any, real: type) -> Any:
-    """As the loop takes them: plain tuples of numbers, since it names their fields itself."""
+    """The parameters as arguments of the loop: plain tuples of numbers, since the loop names their fields itself."""
     if isinstance(parameters, Table):
         return np.array(parameters, real)
     if isinstance(parameters, tuple):
@@ -487,7 +487,7 @@ def packed(function: Callable[..., Any], free: int, parameters: int) -> Function
 
 
 class _Ready(NamedTuple):
-    """What a call needs: the loop, its pace, the parameters as it takes them; as they were given, and their layout."""
+    """A loop prepared for one set of parameters: its pace, the parameters cast to its types, as given, and their layout."""
 
     loop: Loop
     pace: Pace
@@ -499,66 +499,68 @@ class _Ready(NamedTuple):
 class Batch:
     """A kernel applied over arrays.
 
-    function: a kernel of as many rows as there are widths, followed by the tuple of parameters.
-    widths: the last axis of each array argument, whose rows are tuples, or 1 if it has no such axis and its rows are numbers.
+    Unlike numba.guvectorize, it takes tuples of parameters and checks its arguments within the loop.
+
+    function: a kernel of one row of each array, followed by the tuple of parameters.
+    widths: for each array the length of its last axis, whose rows are passed as tuples; 1 if it has none: its rows are numbers.
     outputs: the number of floats the kernel returns; 1 gives a result without a last axis.
-    varying: which of the parameters are the last of the arrays, by default none.
+    varying: which of the parameters vary from row to row, as the last of the arrays; by default none.
     """
 
     def __init__(self, function: Callable[..., Any], widths: Sequence[int], outputs: int = 1, varying: Varying = None) -> None:
         self.function, self.widths, self.outputs, self.varying = function, tuple(widths), outputs, varying
         self._of_arrays: dict[Varying, Batch] = {}
         self._known: tuple[Parameters, Varying, Parameters, list[np.ndarray]] | None = None  # of the last call with arrays
-        self._loops: dict[tuple[type, Any, Layout, Single, Kinds], tuple[Loop, Pace]] = {}
-        self._ready: dict[tuple[type, Parameters, Single, Kinds], _Ready] = {}
+        self._loops: dict[tuple[type, Any, Layout, Broadcast, Checks], tuple[Loop, Pace]] = {}
+        self._ready: dict[tuple[type, Parameters, Broadcast, Checks], _Ready] = {}
 
-    def text(self, real: type, single: Single = (), kinds: Kinds = (), shape: Layout = None) -> str:
+    def text(self, real: type, broadcast: Broadcast = (), checks: Checks = (), shape: Layout = None) -> str:
         """The whole program in the given precision.
 
-        single: which arguments have one row for all, by default none. kinds: what numbers each is checked for, by default none.
-        shape: the layout of the parameters, by default without names.
+        broadcast: which arguments have a single row, by default none. checks: what each argument is checked for, by default
+        nothing. shape: the layout of the parameters, by default without names.
         """
         program = _Program(real)
         name = program.add(self.function)  # type: ignore[arg-type]
         header = _HEADER.format(real=np.dtype(real).name)
         none = len(self.widths)
         parameters = _rebuilt(shape, self.varying, program)
-        single, kinds = single or (False,) * none, kinds or ("",) * none
-        loop = _loop(name, self.widths, self.outputs, single, kinds, parameters, _count(self.varying))
+        broadcast, checks = broadcast or (False,) * none, checks or ("",) * none
+        loop = _loop(name, self.widths, self.outputs, broadcast, checks, parameters, _count(self.varying))
         return "\n\n".join([header, *program.texts, loop])
 
-    def _compiled(self, real: type, kind: Any, shape: Layout, single: Single, kinds: Kinds) -> tuple[Loop, Pace]:
-        """The loop itself, without the dispatcher that would look at the types of what it is called with."""
-        known = (real, kind, shape, single, kinds)
+    def _compiled(self, real: type, kind: Any, shape: Layout, broadcast: Broadcast, checks: Checks) -> tuple[Loop, Pace]:
+        """The compiled loop itself, without numba's dispatcher, which would inspect the types of all arguments at each call."""
+        known = (real, kind, shape, broadcast, checks)
         if known not in self._loops:
-            text = self.text(real, single, kinds, shape)
+            text = self.text(real, broadcast, checks, shape)
             pace = Pace(LONG if _HAS_LOOP in text else QUICKEST)
             self._loops[known] = _machine_code(text, kind).entry_point, pace
         return self._loops[known]
 
-    def _prepare(self, real: type, parameters: Parameters, single: Single, kinds: Kinds) -> _Ready:
-        """The loop, its pace, and the parameters as it takes them: found once, for that costs more than a hundred turns.
+    def _prepare(self, real: type, parameters: Parameters, broadcast: Broadcast, checks: Checks) -> _Ready:
+        """The loop, its pace and the cast parameters: cached, since to prepare them costs more than a hundred rows.
 
-        Tuples of equal numbers count as equal whatever their fields are: so what is found is for these fields only.
+        Tuples of equal numbers compare equal whatever their fields are, so the layout is compared as well.
         """
         import numba
 
-        ready, shape = self._ready.get((real, parameters, single, kinds)), layout(parameters)
+        ready, shape = self._ready.get((real, parameters, broadcast, checks)), layout(parameters)
         if ready is None or ready.shape != shape:
-            if len(self._ready) >= KEPT:
+            if len(self._ready) >= PARAMETER_SETS:
                 self._ready.clear()
             cast_ = _cast(parameters, real)
-            loop, pace = self._compiled(real, numba.typeof(cast_), shape, single, kinds)
-            ready = self._ready[real, parameters, single, kinds] = _Ready(loop, pace, cast_, parameters, shape)
+            loop, pace = self._compiled(real, numba.typeof(cast_), shape, broadcast, checks)
+            ready = self._ready[real, parameters, broadcast, checks] = _Ready(loop, pace, cast_, parameters, shape)
         return ready
 
     def _varied(
         self, arrays: Sequence[Any], shape: tuple[int, ...], parameters: Parameters, real: type, out: np.ndarray | None
     ) -> Any:
-        """The same where some parameters are arrays, which the loop reads in the precision of the arguments."""
+        """The call where some parameters are arrays, which are cast to the precision of the arguments."""
         if self._known is None or self._known[0] is not parameters:
-            found: list[np.ndarray] = []
-            self._known = (parameters, *_separated(parameters, found), found)
+            varying_arrays: list[np.ndarray] = []
+            self._known = (parameters, *_separated(parameters, varying_arrays), varying_arrays)
         _, varying, others, given = self._known
         try:
             np.broadcast_shapes(shape, *(array.shape for array in given))
@@ -571,17 +573,17 @@ class Batch:
         return self._of_arrays[varying]([*arrays, *(np.asarray(array, real) for array in given)], others, out)
 
     def __call__(self, arrays: Sequence[Any], parameters: Parameters = (), out: np.ndarray | None = None) -> Any:
-        """Apply to arrays that broadcast against each other; float32 in gives float32 out, all else is float64.
+        """Apply to arrays that broadcast against each other; float32 in gives float32 out, everything else is float64.
 
-        Parameters that are arrays broadcast with them. An `Argument` among them is checked while it is read. If it holds a
-        number that it may not, a ValueError names both, and what `out` then holds is of no use.
+        Parameters that are arrays broadcast with them. An `Argument` is checked while it is read. If it holds an invalid
+        number, a ValueError names the argument and the number, and the contents of `out` are undefined.
         """
-        inputs, kinds, shapes = [], [], []
+        inputs, checks, shapes = [], [], []
         real: type = np.float32
         for given, width in zip(arrays, self.widths, strict=True):
             _, array, kind = given if type(given) is Argument else ("", np.asarray(given), "")
             inputs.append(array)
-            kinds.append(kind)
+            checks.append(kind)
             shapes.append(array.shape[:-1] if width > 1 else array.shape)
             if array.dtype != _SINGLE:
                 real = np.float64
@@ -589,13 +591,13 @@ class Batch:
         if shapes.count(shape) != len(shapes):
             shape = np.broadcast_shapes(*shapes)
         count = math.prod(shape)
-        single = tuple([count != 1 and array.size == width for array, width in zip(inputs, self.widths, strict=True)])
+        broadcast = tuple([count != 1 and array.size == width for array, width in zip(inputs, self.widths, strict=True)])
         try:
-            ready = self._ready.get((real, parameters, single, tuple(kinds)))
+            ready = self._ready.get((real, parameters, broadcast, tuple(checks)))
         except TypeError:  # arrays have no hash
             return self._varied(arrays, shape, parameters, real, out)
         if ready is None or ready.given is not parameters:
-            ready = self._prepare(real, parameters, single, tuple(kinds))
+            ready = self._prepare(real, parameters, broadcast, tuple(checks))
         loop, pace, taken, _, _ = ready
         flat = [_flatten(*one, shape, real) for one in zip(inputs, self.widths, shapes, strict=True)]
         result = _result(out, (*shape, self.outputs) if self.outputs > 1 else shape, real, inputs)
@@ -613,7 +615,7 @@ _SINGLE = np.dtype(np.float32)
 
 
 def _flatten(array: np.ndarray, width: int, own: tuple[int, ...], shape: tuple[int, ...], real: type) -> np.ndarray:
-    """The rows of the array one after another, one for all if it has only one, else one for each element of the shape."""
+    """The rows of the array one after another: a single row if it has only one, else one for each element of the shape."""
     if own != shape and array.size != width:
         array = np.broadcast_to(array, (*shape, width) if width > 1 else shape)
     flat: np.ndarray = np.ascontiguousarray(array, real).reshape(-1)
@@ -634,7 +636,7 @@ def _result(out: np.ndarray | None, shape: tuple[int, ...], real: type, inputs: 
 
 
 def _refuse(arrays: Sequence[Any]) -> None:
-    """Raise for the first argument that holds what it may not; a loop without a turn has looked at none of them."""
+    """Raise for the first argument that holds an invalid number; a loop over no rows has checked none of them."""
     for argument in arrays:
         if isinstance(argument, Argument):
             argument.checked()

@@ -215,7 +215,7 @@ def _flat(e: sp.Basic) -> sp.Basic:
     return e.func(*args, evaluate=False) if isinstance(e, sp.Abs) else e.func(*args)
 
 
-def raw(name: str, printed: str, **assumptions: Any) -> sp.Symbol:
+def printed_symbol(name: str, printed: str, **assumptions: Any) -> sp.Symbol:
     """A symbol for a left-hand side or a value that the report prints in its own way."""
     symbol = sp.Symbol(name, **assumptions)
     LATEX[symbol] = printed

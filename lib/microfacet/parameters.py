@@ -14,10 +14,10 @@ Check = Callable[[str, Any], float]
 
 
 def each(check: Check, name: str, value: Any) -> Any:
-    """What check(name, value) makes of a number; of an array, a copy in its own precision of which it allows every number.
+    """check(name, value) for a number; for an array, a copy in its own precision, all numbers of which passed the check.
 
-    check: refuses by a ValueError, NaN as well, what lies outside an interval, which may leave 0 out. So the extremes on
-    either side of 0 decide.
+    check: raises a ValueError for NaN and for numbers outside an interval, which may exclude 0. So it suffices to check the
+    extremes on either side of 0.
     """
     if np.ndim(value) == 0:
         return check(name, value)
@@ -31,7 +31,7 @@ def each(check: Check, name: str, value: Any) -> Any:
 
 
 def _extremes(array: np.ndarray) -> list[float]:
-    """The least and the largest number, and the least above 0: NaN if one is."""
+    """The least and the largest number, also of those above 0; NaN if there is one."""
     above = array[array > 0]
     return [float(part) for some in (array, above) if some.size for part in (some.min(), some.max())]
 
@@ -42,20 +42,20 @@ def double(value: Any) -> Any:
 
 
 def together(**parameters: Any) -> tuple[Any, ...]:
-    """The parameters, whose shapes must broadcast; else a ValueError that names them."""
+    """The parameters, if their shapes broadcast; else a ValueError that names them."""
     shapes = {name: _shape(value) for name, value in parameters.items()}
     try:
         np.broadcast_shapes(*shapes.values())
     except ValueError:
-        told = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
-        raise ValueError(f"the shapes of parameters must broadcast, got {told}") from None
+        stated = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
+        raise ValueError(f"the shapes of parameters must broadcast, got {stated}") from None
     return tuple(parameters.values())
 
 
 class Parametric(Model):
-    """A model with parameters: numbers, or arrays that broadcast with the directions. Its arguments are such, and models.
+    """A model with parameters: numbers, or arrays that broadcast with the directions. Its arguments are parameters and models.
 
-    parameters: what its kernels take, tuples of numbers and arrays in tuples.
+    parameters: the last argument of its kernels, nested tuples of numbers and arrays.
     """
 
     parameters: tuple[Any, ...]
@@ -137,8 +137,8 @@ class Parametric(Model):
         >>> mf.GGX(0.3).require_numbers("my quadrature")
         """
         if self.batch_shape:
-            told = f"{self!r} of shape {self.batch_shape}, of which `at` gives one"
-            raise ValueError(f"{what} takes numbers for parameters, got {told}")
+            given = f"{self!r} of shape {self.batch_shape}, of which `at` gives one"
+            raise ValueError(f"{what} takes numbers for parameters, got {given}")
 
 
 def _arrays(parameters: Any) -> list[np.ndarray]:
@@ -162,7 +162,7 @@ def _at(value: Any, shape: tuple[int, ...], index: tuple[int, ...]) -> Any:
 
 
 def shown(value: Any) -> str:
-    """A parameter in a model's text: the number, or of an array its shape and its range."""
+    """A parameter in the repr of a model: the number, or the range and the shape of an array."""
     if np.ndim(value) == 0:
         return f"{value:g}"
     return f"<{np.min(value):g} to {np.max(value):g}, {np.shape(value)}>" if np.size(value) else f"<{np.shape(value)}>"

@@ -1,6 +1,6 @@
-"""How many threads to use, and those threads. A module of its own, so that what only counts does not load what compiles.
+"""How many threads to use, and a pool of them. A module of its own, so that a caller who only counts threads loads no compiler.
 
-An interrupt (Ctrl-C) is seen when the main thread gets back from compiled code. So work is done in pieces of some
+Python handles an interrupt (Ctrl-C) when the main thread returns from compiled code. So work is done in pieces of some
 hundredths of a second, and when one thread stops, for whatever reason, the others take no further piece.
 """
 
@@ -16,15 +16,15 @@ from threading import Lock, Thread
 from time import perf_counter
 from typing import Any
 
-QUICK = 1e-4  # seconds: to give less than this to another thread would take longer than to do it
+QUICK = 1e-4  # seconds: to hand less work than this to another thread takes longer than to do it
 PIECE = 0.02  # seconds that a piece should take at most
-STRIPS = 4  # parts of an array that are begun at once, for one may hold what takes much longer than the rest
+STRIPS = 4  # parts of an array that are processed in turn, since one may take much longer per element than the others
 
 
 def threads() -> int:
-    """How many threads a large array is shared among: $MICROFACET_THREADS, else the processors this process may use.
+    """How many threads work on a large array: $MICROFACET_THREADS, else the number of processors this process may use.
 
-    ValueError if that variable is no whole number.
+    ValueError if that variable is not a whole number.
     """
     chosen = os.environ.get("MICROFACET_THREADS")
     try:
@@ -34,12 +34,12 @@ def threads() -> int:
 
 
 def _processors() -> int:
-    """Those this process may use; all where the system does not tell."""
+    """The number that this process may use; that of the machine where the system does not report it."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def share(work: Callable[..., Any], jobs: Sequence[Iterable[Any]]) -> list[Any]:
-    """What work(*job) returns for each job; that many threads, this one among them, take the next job while there is one."""
+def parallel_map(work: Callable[..., Any], jobs: Sequence[Iterable[Any]]) -> list[Any]:
+    """The results of work(*job) for all jobs, in their order; the jobs run on several threads, this one among them."""
     results: list[Any] = [None] * len(jobs)
     waiting = iter(range(len(jobs)))
 
@@ -76,17 +76,17 @@ def _together(step: Callable[[], bool], helpers: int) -> None:
         other.result()
 
 
-def apart(work: Callable[[], Any]) -> Any:
-    """What work() returns, from a thread of its own, so that an interrupt ends the wait for it though the work goes on.
+def in_own_thread(work: Callable[[], Any]) -> Any:
+    """The result of work(), run in a thread of its own, so that an interrupt ends the wait for it, though not the work.
 
-    For what cannot be done in pieces, such as compiling.
+    For work that cannot be split into pieces, such as compiling.
     """
-    found: list[Any] = []
+    result: list[Any] = []
     failed: list[BaseException] = []
 
     def go() -> None:
         try:
-            found.append(work())
+            result.append(work())
         except BaseException as error:
             failed.append(error)
 
@@ -95,12 +95,12 @@ def apart(work: Callable[[], Any]) -> Any:
     thread.join()
     if failed:
         raise failed[0]
-    return found[0]
+    return result[0]
 
 
 @cache
 def _pool(count: int) -> ThreadPoolExecutor:
-    """Threads that stay for the next array: starting them takes longer than many an array does."""
+    """Threads that stay alive for the next array: to start them takes longer than to process a small array."""
     return ThreadPoolExecutor(count)
 
 
@@ -112,10 +112,10 @@ if hasattr(os, "register_at_fork"):
 
 
 class Pace:
-    """How long a loop takes for an element, in seconds: what its last call took, and at the beginning a whole piece.
+    """How many seconds a loop takes per element: measured in its last call; before the first call, the time of a whole piece.
 
-    least: no element is taken for quicker, since the next one may take so long. certain: whether that call was long enough
-    for its beginning and end not to count.
+    least: a lower bound of the estimate, since the next element may be slower. certain: whether the last call was so long that
+    its overhead does not matter.
     """
 
     def __init__(self, least: float) -> None:
@@ -126,7 +126,7 @@ class Pace:
 
 
 class _Strip:
-    """A part of an array: what of it is not begun yet, and how fast it goes."""
+    """A part of an array: the range that is not begun yet, and its pace."""
 
     def __init__(self, start: int, stop: int, pace: float) -> None:
         self.start, self.stop, self.pace = start, stop, pace
@@ -134,9 +134,9 @@ class _Strip:
 
 
 class _Strips:
-    """An array, of which each thread takes a piece at a time, from one strip after another.
+    """An array in strips; each thread takes one piece after another, from the strips in turn.
 
-    The slowest of the strips that are under way says how many elements a piece may have.
+    The pace of the slowest unfinished strip limits how many elements a piece may have.
     """
 
     def __init__(self, work: Callable[[int, int], bool], count: int, pace: Pace) -> None:
@@ -177,20 +177,20 @@ class _Strips:
         return max((strip.pace for strip in self.waiting), default=self.pace.least)
 
     def rest(self) -> float:
-        """Seconds that what is not begun yet should take."""
+        """Estimated seconds for the elements that are not begun yet."""
         return self.left * self.slowest()
 
     def finish(self) -> bool:
-        """Remember how long it took; whether all went well."""
+        """Record the pace of the slowest strip; return whether all pieces succeeded."""
         slowest = max(self.strips, key=lambda strip: strip.seconds / strip.done)
         self.pace.update(slowest.done, slowest.seconds)
         return self.good
 
 
 def spread(work: Callable[[int, int], bool], count: int, pace: Pace) -> bool:
-    """Whether work(start, stop) went well all over range(count), count > 0, which threads share if it takes long enough.
+    """Whether work(start, stop) succeeded all over range(count), count > 0; several threads take part if it takes long enough.
 
-    While it is not known how long it takes, this thread does a little alone.
+    While the pace is not known, this thread works alone for a moment.
     """
     strips = _Strips(work, count, pace)
     alone = perf_counter() + (0.0 if pace.certain else QUICK)

@@ -1,4 +1,4 @@
-"""What several proofs share."""
+"""Helpers for proofs."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from typing import Any
 import sympy as sp
 
 
-def grounded(it: Any, left: bool = False) -> list[Any]:
-    """Each printed form of a statement less its last, `where` having said what symbols stand for; left: its left side too."""
+def residuals_of_forms(it: Any, left: bool = False) -> list[Any]:
+    """Each printed form of a statement less its last one, after the substitutions of `where`; left: the left side as well."""
     printed = [*([it.symbol] if left else []), it.means, it.equals]
     forms = [sp.sympify(form).subs(it.where) for form in printed if form is not None]
     return [form - forms[-1] for form in forms[:-1]]

@@ -1,4 +1,4 @@
-"""Exponential, logarithm and error function that a compiler can take several turns of at once.
+"""Exponential, logarithm and error function that a compiler can vectorize.
 
 No branch, no call, short chains of dependence; each within a stated range and to a stated error. Kernels of plain floats
 (see microfacet.kernels). Source: schonfelder1978 for the error function.
@@ -12,6 +12,7 @@ from microfacet.kernels import LN2_HIGH, LN2_LOW, PER_LN2, ROUNDER, ByPrecision,
 
 FINE = ByPrecision(double=1.0, single=0.0)  # known when a kernel is compiled: what depends on it costs nothing
 LN2 = 0.6931471805599453
+SQRT_PI = 1.7724538509055161
 INVERSE_FACTORIALS = tuple(1.0 / factorial(k) for k in range(2, 14))
 
 

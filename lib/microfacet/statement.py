@@ -223,7 +223,7 @@ class Equation:
 
         Returns
         -------
-        microfacet.checks.Record
+        microfacet.checks.StatementRecord
             What was found, by kind of check.
 
         Examples

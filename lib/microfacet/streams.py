@@ -1,4 +1,4 @@
-"""Random numbers in kernels: any number of them from two, the same on every thread. steele2014."""
+"""Random numbers in kernels: streams of any length from a seed of two numbers, the same on every thread. steele2014."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ def _bits(x: float) -> int:
 
 
 def stream(u1: float, u2: float, k: int) -> int:
-    """The name of the k-th stream of random numbers that a pair of floats stands for."""
+    """The key of the k-th stream of random numbers that is seeded by a pair of floats."""
     return _mixed((_mixed((_mixed(_bits(u1)) + _bits(u2)) & WORD) + GOLDEN * (k + 1)) & WORD)
 
 
 def drawn(key: int, k: int) -> float:
-    """The k-th number of a stream, in (0, 1), evenly distributed: splitmix64 at any place. steele2014."""
+    """The k-th number of a stream, uniform in (0, 1): splitmix64 with random access. steele2014."""
     return ((_mixed((key + GOLDEN * (k + 1)) & WORD) >> 12) + 0.5) * 2.0**-52
 
 

@@ -1,4 +1,4 @@
-"""Vectors of 512 bits for compiled loops. A module of its own, so that what only writes kernels does not load the compiler."""
+"""Vectors of 512 bits for compiled loops. A module of its own, so that to generate kernels loads no compiler."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from numba.extending import intrinsic
 
 @cast(Any, intrinsic)
 def widest(context: Any) -> Any:
-    """Lets the function that calls it use vectors of 512 bits where there are such; LLVM prefers shorter ones.
+    """Lets the calling function use vectors of 512 bits where the processor has them; LLVM prefers shorter ones.
 
-    No result changes. Long kernels gain most: they wait for results more than for a free unit, and wait half as often.
+    No result changes. Long kernels gain most: they are bound by latency rather than by throughput.
     """
 
     def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from microfacet.brdf.specular import Microfacet
-from microfacet.checks import Mark
+from microfacet.checks import CheckResult
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.blinn_phong import NormalizedBlinnPhong
@@ -50,7 +50,7 @@ class Look(NamedTuple):
     error: float = 0.0
 
 
-def verdict(what: str, looks: list[Look]) -> Mark:
+def verdict(what: str, looks: list[Look]) -> CheckResult:
     """Passed if no look, nor the worst of so many, refutes the statement."""
     worst = min(looks, key=lambda look: look.odds if look.odds > 0 else 0.0)  # what is no number is the worst
     odds = min(1.0, worst.odds * len(looks)) if worst.odds > 0 else 0.0
@@ -59,10 +59,10 @@ def verdict(what: str, looks: list[Look]) -> Mark:
     detail = f"{what}: {count}" + (f", standard error at most {error:.1g}" if error else "")
     figures = {"count": len(looks), "odds": float(f"{odds:.3g}"), "error": float(f"{error:.3g}")}
     if not odds > REFUTED:
-        return Mark(
+        return CheckResult(
             "fail", f"{detail}; refuted: chance brings one so far off with odds of {odds:.1e}, at {worst.where}", figures
         )
-    return Mark("pass", f"{detail}; odds of one so far off by chance {odds:.2g}", figures)
+    return CheckResult("pass", f"{detail}; odds of one so far off by chance {odds:.2g}", figures)
 
 
 # --- random surfaces ----------------------------------------------------------------------------------------------------
@@ -205,7 +205,7 @@ TRIALS: Mapping[str, tuple[str, Callable[[], list[Look]]]] = {
 }
 
 
-def marks() -> Iterator[tuple[str, Mark]]:
+def marks() -> Iterator[tuple[str, CheckResult]]:
     """The mark "measured" of every statement that has a trial, by its key. Reads the campaign's results."""
     for key, (what, looks) in TRIALS.items():
         yield key, verdict(what, looks())

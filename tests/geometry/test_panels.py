@@ -14,13 +14,13 @@ class Scripted:
         self.more, self.errors, self.evaluations, self.calls = more, errors, 0, 0
 
     def __call__(self, boxes: np.ndarray) -> np.ndarray:
-        sums = np.zeros((len(boxes), panels.DOUBTS + 1 + panels.NODES))
+        sums = np.zeros((len(boxes), panels.DOUBTS + 1 + panels.SIDE_NODES))
         sides = boxes[:, [2, 4]] - boxes[:, [1, 3]]
         area = sides.prod(axis=1)
         sums[:, 0] = area * (1 + (self.more if self.calls else 0))
         sums[:, 3:5] = area[:, None] * sides * np.array(self.errors)
         self.calls += 1
-        self.evaluations += len(boxes) * panels.NODES**2
+        self.evaluations += len(boxes) * panels.SIDE_NODES**2
         return sums
 
 
@@ -56,10 +56,10 @@ def test_halving_ends_where_all_errors_add_up_to_the_goal(goal: float) -> None:
 
 
 def test_halving_ends_where_no_evaluations_are_left(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(panels, "MOST", 20 * panels.NODES**2)
+    monkeypatch.setattr(panels, "MOST_EVALUATIONS", 20 * panels.SIDE_NODES**2)
     summed = Scripted(0.0, (2.0, 0.0))
     panels._refined(summed, ONE, 1e-12)
-    assert 18 * panels.NODES**2 < summed.evaluations <= 20 * panels.NODES**2
+    assert 18 * panels.SIDE_NODES**2 < summed.evaluations <= 20 * panels.SIDE_NODES**2
 
 
 def test_an_error_is_as_large_as_the_last_coefficients_or_falls_with_their_cube() -> None:

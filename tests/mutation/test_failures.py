@@ -24,12 +24,19 @@ from microfacet.geometry.beckmann import beckmann_Lambda
 from microfacet.geometry.blinn_phong import Power
 from microfacet.geometry.roughness import Alphas
 from microfacet.geometry.visible_normals import sample_beckmann, sample_ggx, unstretched
-from microfacet.geometry.visible_slopes import FAR, edge_factor, fifth_order, guess, third_order, visible_gaussian_slope
+from microfacet.geometry.visible_slopes import (
+    LARGEST_EDGE,
+    edge_factor,
+    fifth_order,
+    guess,
+    third_order,
+    visible_gaussian_slope,
+)
 from microfacet.kernels import Pair, Vector
 from microfacet.surface.trace import HeightField, Hits
 from microfacet.validation import chi_square
 from microfacet.visibility.masking import ModelParameters
-from microfacet.visibility.smith import of_distribution
+from microfacet.visibility.smith import sampler_of_distribution
 from mutants import rebound
 from samples import LAST
 
@@ -72,7 +79,7 @@ class SampledBy(mf.Smith):
 
     @property
     def sampler(self) -> Callable[..., Any]:
-        return of_distribution(self.kernel)
+        return sampler_of_distribution(self.kernel)
 
 
 class Right(mf.GGX):
@@ -249,7 +256,7 @@ def no_step(f: float, x: float, d: float, s: float) -> float:
 
 def guessed_above(s: float, z: float, u: float) -> float:
     """The lower half of the numbers solved for, the upper half guessed."""
-    c = min(z / s, FAR)
+    c = min(z / s, LARGEST_EDGE)
     x, _ = guess(s, z, c, edge_factor(c), u)
     return visible_gaussian_slope(s, z, u) if u < 0.5 else x
 

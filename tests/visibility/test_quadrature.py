@@ -46,8 +46,8 @@ def test_other_densities_go_on_to_more_nodes(model: Masking) -> None:
 @pytest.mark.parametrize("make", [mf.GGX, mf.Beckmann])
 def test_the_first_two_rules_suffice_for_the_two(make: type[mf.GGX]) -> None:
     """If a third one were needed, all would still be right, but slow."""
-    light, ndf = make is mf.Beckmann, make(0.4, 0.1)
-    first = quadrature.FIRST_LIGHT if light else quadrature.FIRST_HEAVY
+    exponential, ndf = make is mf.Beckmann, make(0.4, 0.1)
+    first = quadrature.FIRST_EXPONENTIAL if exponential else quadrature.FIRST_POWER
     for wo in views(30, 60, 89):
         asked: list[float] = []
 
@@ -55,16 +55,16 @@ def test_the_first_two_rules_suffice_for_the_two(make: type[mf.GGX]) -> None:
             asked.append(wm[2])
             return dot(wo, wm) * make.kernel(wm, p)
 
-        settle = quadrature.settled(area)
-        settle(0, light, 0.0, quadrature.AGREED, 0.0, tuple(wo), SlopeScale(*ndf.slope_scale), ndf.parameters)
+        integrate = quadrature.integrate_adaptively(area)
+        integrate(0, exponential, 0.0, quadrature.AGREED, 0.0, tuple(wo), SlopeScale(*ndf.slope_scale), ndf.parameters)
         assert len(asked) in {panels * sum(along * across for along, across in first[:2]) for panels in (1, 2)}
 
 
-@pytest.mark.parametrize(("make", "light"), [(mf.GGX, False), (mf.Beckmann, True), (mf.Ward, True)])
+@pytest.mark.parametrize(("make", "exponential"), [(mf.GGX, False), (mf.Beckmann, True), (mf.Ward, True)])
 @pytest.mark.parametrize("scale", [(1e-3, 1e-3), (0.05, 2.0)])
-def test_tails_are_told_apart(make: type[mf.GGX], light: bool, scale: tuple[float, float]) -> None:
+def test_tails_are_told_apart(make: type[mf.GGX], exponential: bool, scale: tuple[float, float]) -> None:
     ndf = make(*scale)
-    assert quadrature.light_tails(make.kernel)(SlopeScale(*ndf.slope_scale), ndf.parameters) is light
+    assert quadrature.has_exponential_tails(make.kernel)(SlopeScale(*ndf.slope_scale), ndf.parameters) is exponential
 
 
 def test_rules_are_exact_for_what_they_are_made_for() -> None:
@@ -80,9 +80,9 @@ def test_rules_are_exact_for_what_they_are_made_for() -> None:
 
 
 def test_each_rule_has_one_turn_in_either_order() -> None:
-    turns = quadrature.TURNS
-    for order in (quadrature.SCHEDULE[:turns], quadrature.SCHEDULE[turns:]):
-        assert sorted(order) == list(range(turns))
+    count = quadrature.RULE_COUNT
+    for order in (quadrature.SCHEDULE[:count], quadrature.SCHEDULE[count:]):
+        assert sorted(order) == list(range(count))
 
 
 def test_lambda_of_a_sharp_lobe_by_rings() -> None:

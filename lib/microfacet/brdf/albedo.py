@@ -1,4 +1,4 @@
-"""The albedo of mirror facets: the share of light that they reflect, and a bound of its error.
+"""The albedo of mirror facets: the fraction of light that they reflect, and a bound of its error.
 
 The integral goes over the slopes whose mirror direction lies above the horizon. They fill a disc, |slope|^2 + 2 tan theta_o
 (slope along the view) < 1, which is taken in polar coordinates around the upright facet, in slopes divided by the
@@ -28,15 +28,15 @@ from microfacet.visibility.v_cavity import VCavity
 # --- one ray ----------------------------------------------------------------------------------------------------------
 
 LEVELS = 7  # rules of 13, 25, 49, ... nodes, each with the nodes of the one before
-REACH = 3.0  # where the rule ends: what is left out counts 2e-14 of a bounded integrand
+T_MAX = 3.0  # where the rule is truncated, at an error of 2e-14 of a bounded integrand
 
 
 def tanh_sinh() -> tuple[tuple[float, ...], tuple[float, ...], tuple[int, ...]]:
-    """Nodes and weights on (0, 1), which crowd at both ends; level after level, and where each begins. takahasi1974."""
+    """Nodes and weights on (0, 1), dense at both ends, level after level, and the index at which each begins. takahasi1974."""
     nodes, weights, starts = [], [], [0]
     for level in range(LEVELS):
         step = 0.5 / 2**level
-        count = round(REACH / step)
+        count = round(T_MAX / step)
         t = step * (np.arange(-count, count + 1) if level == 0 else np.arange(-count + 1, count, 2))
         x = 1 / (1 + np.exp(-np.pi * np.sinh(t)))
         nodes.append(x)
@@ -45,8 +45,8 @@ def tanh_sinh() -> tuple[tuple[float, ...], tuple[float, ...], tuple[int, ...]]:
     return tuple(map(float, np.concatenate(nodes))), tuple(map(float, np.concatenate(weights))), tuple(starts)
 
 
-NODES, WEIGHTS, STARTS = tanh_sinh()
-CLOSE = 1e-8  # error of a ray, of its whole, above which another rule follows
+TANH_SINH_NODES, TANH_SINH_WEIGHTS, TANH_SINH_STARTS = tanh_sinh()
+RAY_TOLERANCE = 1e-8  # relative error of the integral along a ray above which the next rule follows
 NOTHING = 1e-300
 HALVINGS = 64
 
@@ -67,19 +67,19 @@ def root_between(low: float, high: float, a: float, b: float, c: float, d: float
 
 
 def quadratic(a: float, b: float, c: float) -> tuple[float, float]:
-    """The roots of a + b r + c r^2 without cancellation; infinite, or no number, where there are none."""
-    under = b * b - 4.0 * a * c
-    if under < 0.0:
+    """The roots of a + b r + c r^2 without cancellation; infinite or NaN where there are none."""
+    discriminant = b * b - 4.0 * a * c
+    if discriminant < 0.0:
         return inf, inf
-    both = -0.5 * (b + (sqrt(under) if b >= 0.0 else -sqrt(under)))
-    return (a / both if both != 0.0 else inf), (both / c if c != 0.0 else inf)
+    q = -0.5 * (b + (sqrt(discriminant) if b >= 0.0 else -sqrt(discriminant)))
+    return (a / q if q != 0.0 else inf), (q / c if c != 0.0 else inf)
 
 
 class AlbedoParameters(NamedTuple):
-    """Those of distribution, masking and reflectance, and of the rule over slopes.
+    """Parameters of distribution, masking and reflectance, and of the quadrature over slopes.
 
-    reach: in units of the slope scale, where slopes end. critical: the square of the critical cosine. first, levels: of the
-    rules along a ray, that after which it may end, and how many there are. bright: see `bright_light`.
+    reach: the largest slope in units of the slope scale. critical: the square of the critical cosine. first, levels: index of
+    the first rule along a ray that may be the last one, and the number of rules. bright: see `bright_light`.
     """
 
     ndf: Any
@@ -95,8 +95,8 @@ class AlbedoParameters(NamedTuple):
 
 
 class Ray(NamedTuple):
-    """Slopes along which light is summed: how they change along the ray; what it leans towards the view; its square; and where
-    it meets the edge of the disc."""
+    """A ray in slope space. dx, dy: slopes per radius. lean: slope towards the view over cot theta_o, per radius. square:
+    dx^2 + dy^2. rim: the radius at the edge of the disc of facets that reflect light from above the horizon."""
 
     dx: float
     dy: float
@@ -137,8 +137,8 @@ def equals(ray: Ray, wo: Vector, p: AlbedoParameters) -> Any:
     b = px * px + py * py - 2.0 * (tx * qx + ty * qy) - tt * (4.0 * lean * lean - 2.0 * square)
     c = 2.0 * (px * qx + py * qy) - 4.0 * tt * lean * square
     e = qx * qx + qy * qy - tt * square * square
-    turn_1, turn_2 = quadratic(b, 2.0 * c, 3.0 * e)
-    low, high = min(turn_1, turn_2), max(turn_1, turn_2)
+    extremum_1, extremum_2 = quadratic(b, 2.0 * c, 3.0 * e)
+    low, high = min(extremum_1, extremum_2), max(extremum_1, extremum_2)
     low = min(max(low, 0.0), rim) if low < inf else 0.0
     high = min(max(high, low), rim) if high < inf else rim
     one, two = root_between(0.0, low, a, b, c, e), root_between(low, high, a, b, c, e)
@@ -149,20 +149,20 @@ def equals(ray: Ray, wo: Vector, p: AlbedoParameters) -> Any:
 def light_rule(
     D: Callable[..., float], Lambda: Callable[..., float], G2: Callable[..., float], F: Callable[..., float]
 ) -> Callable[..., float]:
-    """What facets of one slope send to the viewer, per angle of their ray and angle of the radius."""
+    """The light that facets of one slope reflect to the viewer, per angle of their ray and angle of the radius."""
 
     def light(r: float, ray: Ray, Lambda_o: float, wo: Vector, p: AlbedoParameters) -> float:
-        shown, risen = 1.0 - r * ray.lean, (1.0 - r / ray.rim) * (1.0 + r * ray.square * ray.rim)
-        if not (shown > 0.0 and risen > 0.0):
+        front_facing, above_horizon = 1.0 - r * ray.lean, (1.0 - r / ray.rim) * (1.0 + r * ray.square * ray.rim)
+        if not (front_facing > 0.0 and above_horizon > 0.0):
             return 0.0
         (ox, oy, oz), mz = wo, 1.0 / sqrt(1.0 + r * r * ray.square)
         mx, my = -r * ray.dx * mz, -r * ray.dy * mz
-        cosine = min(oz * mz * shown, 1.0)
-        wi = (2.0 * cosine * mx - ox, 2.0 * cosine * my - oy, min(oz * mz * mz * risen, 1.0))
+        cosine = min(oz * mz * front_facing, 1.0)
+        wi = (2.0 * cosine * mx - ox, 2.0 * cosine * my - oy, min(oz * mz * mz * above_horizon, 1.0))
         wm = (mx, my, mz)
-        both = G2(Lambda_o, Lambda(wi, p), wo, wi, wm, p)
+        visibility = G2(Lambda_o, Lambda(wi, p), wo, wi, wm, p)
         density = D(wm, p.ndf) * ((mz * mz) * (mz * mz))
-        return F(cosine, p.fresnel) * both * shown * density * r * (1.0 + r * r)
+        return F(cosine, p.fresnel) * visibility * front_facing * density * r * (1.0 + r * r)
 
     return light
 
@@ -171,7 +171,7 @@ def light_rule(
 def piece_rule(*parts: Callable[..., float]) -> Callable[..., Pair]:
     """The integral along a ray between two cuts, where the radius is the tangent of an angle, and its error.
 
-    More and more nodes are taken until two rules agree. before: the integral as far as the piece.
+    Nodes are added until two rules agree. before: the integral up to the beginning of the piece.
     """
     light = light_rule(*parts)
 
@@ -179,11 +179,11 @@ def piece_rule(*parts: Callable[..., float]) -> Callable[..., Pair]:
         rule, error = 0.0, 0.0
         for level in range(p.levels):
             coarse, rule = rule, 0.5 * rule
-            for k in range(STARTS[level], STARTS[level + 1]):
-                r = tan(start + (stop - start) * NODES[k])
-                rule += (stop - start) * WEIGHTS[k] * light(r, ray, Lambda_o, wo, p)
+            for k in range(TANH_SINH_STARTS[level], TANH_SINH_STARTS[level + 1]):
+                r = tan(start + (stop - start) * TANH_SINH_NODES[k])
+                rule += (stop - start) * TANH_SINH_WEIGHTS[k] * light(r, ray, Lambda_o, wo, p)
             error = abs(rule - coarse)
-            if level >= p.first and error <= CLOSE * (before + rule):
+            if level >= p.first and error <= RAY_TOLERANCE * (before + rule):
                 break
         return rule, error
 
@@ -195,8 +195,8 @@ def ray_rule(cuts: Callable[..., Any], Lambda: Callable[..., float], *parts: Cal
     """The integral along one ray per its angle, and its error."""
     piece = piece_rule(*parts)
 
-    def along(turn: Pair, wo: Vector, p: AlbedoParameters) -> Pair:
-        (ox, oy, oz), dx, dy = wo, p.scale_x * turn[0], p.scale_y * turn[1]
+    def along(azimuth: Pair, wo: Vector, p: AlbedoParameters) -> Pair:
+        (ox, oy, oz), dx, dy = wo, p.scale_x * azimuth[0], p.scale_y * azimuth[1]
         lean, square = (dx * ox + dy * oy) / oz, dx * dx + dy * dy
         root = sqrt(lean * lean + square)
         rim = 1.0 / (lean + root) if lean >= 0.0 else (root - lean) / square
@@ -241,20 +241,21 @@ _KRONROD = np.array(
 )
 _GAUSS = np.zeros(8)
 _GAUSS[1::2] = 0.129484966168869693, 0.279705391489276668, 0.381830050505118945, 0.417959183673469388
-PLACES = np.concatenate([-_HALF, _HALF[-2::-1]])
+KRONROD_NODES = np.concatenate([-_HALF, _HALF[-2::-1]])
 KRONROD, GAUSS = (np.concatenate([half, half[-2::-1]]) for half in (_KRONROD, _GAUSS))
-CHANGE = 1e-5  # width of an angle within which things change beside a ray whose cuts change
-NARROWEST = 1e-15  # width of an angle within which things change
-TOLERANCE = 1e-8  # of an albedo, to which panels are halved
+CHANGE = 1e-5  # angle within which the integrand changes beside a ray at which the cuts change
+NARROWEST = 1e-15  # smallest angle within which the integrand may change
+TOLERANCE = 1e-8  # absolute error of an albedo to which panels are refined
 ROUNDS = 60
 TOGETHER = 256  # views at once
 ROUNDING = 1e-13  # of a sum of some 10^4 terms
 
 
 class Panels(NamedTuple):
-    """Of each panel its view, the ray it begins at, where it turns from there and how far, and the ends of its coordinate.
+    """Panels over the azimuth of rays. view: index of the view. ray: where the panel begins. far: its signed angle. width: the
+    angle within which the integrand changes. low, high: ends of its coordinate.
 
-    The angle from that ray is the hyperbolic sine of the coordinate times a width, within which things change.
+    The angle from that ray is the width times the hyperbolic sine of the coordinate.
     """
 
     view: np.ndarray
@@ -264,7 +265,7 @@ class Panels(NamedTuple):
     low: np.ndarray
     high: np.ndarray
 
-    def taken(self, chosen: Any) -> Panels:
+    def subset(self, chosen: Any) -> Panels:
         return Panels(*(field[chosen] for field in self))
 
     def halves(self) -> Panels:
@@ -275,18 +276,18 @@ class Panels(NamedTuple):
     def rays(self) -> tuple[np.ndarray, np.ndarray]:
         """Unit vectors (n, 15, 2) and the angle per coordinate (n, 15)."""
         half = ((self.high - self.low) / 2)[:, None]
-        t = ((self.low + self.high) / 2)[:, None] + half * PLACES
-        turn = self.width[:, None] * np.sinh(t) * np.sign(self.far)[:, None]
-        c, s = np.cos(turn), np.sin(turn)
+        t = ((self.low + self.high) / 2)[:, None] + half * KRONROD_NODES
+        angle = self.width[:, None] * np.sinh(t) * np.sign(self.far)[:, None]
+        c, s = np.cos(angle), np.sin(angle)
         u, v = self.ray[:, :1], self.ray[:, 1:]
         return np.stack([c * u - s * v, s * u + c * v], axis=-1), half * self.width[:, None] * np.cosh(t)
 
 
 def cosines_of_changes(z: np.ndarray, square: float, cavity: bool) -> np.ndarray:
-    """Azimuths from the view's at which the cuts of a ray change, as cosines (n, m); not in [-1, 1] where there is none.
+    """Cosines (n, m) of azimuths, relative to the view's, at which the cuts of a ray change; not in [-1, 1] where none does.
 
-    Where the ray touches the cone of total reflection, first on one side, then on the other; where it leaves that cone at the
-    edge of the disc; and where creases of V-cavities meet each other or that edge. square: of the critical cosine.
+    At these the ray touches the cone of total reflection, first on one side, then on the other; it leaves that cone at the edge
+    of the disc; or creases of V-cavities meet each other or that edge. square: of the critical cosine.
     """
     sine = np.sqrt((1 - z) * (1 + z))
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -294,12 +295,12 @@ def cosines_of_changes(z: np.ndarray, square: float, cavity: bool) -> np.ndarray
         grazing = (2 * square - 1) / sine  # cosine of the azimuth of light at the horizon, where it just meets the cone
         leaving = -(sine + grazing) / np.sqrt(sine**2 + 2 * sine * grazing + 1)
         steep = z / sine
-        found = [touching, -touching, np.where(abs(grazing) <= 1, leaving, np.nan)]
-        return np.stack([*found, *([steep, -steep, -steep / np.sqrt(3)] if cavity else [])], axis=-1)
+        cosines = [touching, -touching, np.where(abs(grazing) <= 1, leaving, np.nan)]
+        return np.stack([*cosines, *([steep, -steep, -steep / np.sqrt(3)] if cavity else [])], axis=-1)
 
 
 def rays_of_changes(views: np.ndarray, scale: tuple[float, float], cosines: np.ndarray, side: float) -> np.ndarray:
-    """The rays (n, m, 2) at these azimuths on one side of the view, 1 or -1; no numbers where there is none."""
+    """The rays (n, m, 2) at these azimuths on one side of the view, 1 or -1; NaN where there is none."""
     x, y = views[:, :1], views[:, 1:2]
     with np.errstate(invalid="ignore"):
         sines = side * np.sqrt((1 - cosines) * (1 + cosines))
@@ -309,11 +310,11 @@ def rays_of_changes(views: np.ndarray, scale: tuple[float, float], cosines: np.n
 def special_rays(
     views: np.ndarray, scale: tuple[float, float], mirrored: bool, changes: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Rays (n, m, 2) around which the integral over a ray may change fast, in order, and within which angle: (n, m).
+    """Rays (n, m, 2) near which the integral along a ray may change fast, sorted, and the angles within which it does: (n, m).
 
-    The ray along the edge of the disc, that to the facet that reflects the zenith, the axis of the smaller roughness, and
-    those where the cuts of a ray change, given by their azimuths' cosines. mirrored: whether both sides of the view's plane are
-    alike, so that one will do.
+    They are the ray along the edge of the disc, the ray to the facet that reflects the zenith, the axis of the smaller alpha,
+    and the rays at which the cuts change, given by the cosines of their azimuths. mirrored: whether the integrand is symmetric
+    about the plane of incidence, so that one side suffices.
     """
     x, y, z = views.T
     towards = np.stack([scale[0] * x, scale[1] * y], axis=-1)
@@ -336,16 +337,16 @@ def special_rays(
         widths = np.stack([edge, tip, one * min(scale) / max(scale), one], axis=1)
         rays, widths = np.concatenate([rays, -rays], axis=1), np.concatenate([widths, widths], axis=1)
     beside = [rays_of_changes(views, scale, changes, side) for side in ((1,) if mirrored else (1, -1))]
-    found = np.concatenate([_unit(rays), *beside], axis=1)
-    none = ~np.isfinite(found).all(axis=-1)
-    found[none] = np.broadcast_to(found[:, :1], found.shape)[none]
+    rays = np.concatenate([_unit(rays), *beside], axis=1)
+    missing = ~np.isfinite(rays).all(axis=-1)
+    rays[missing] = np.broadcast_to(rays[:, :1], rays.shape)[missing]
     widths = np.concatenate([widths, *(np.full(part.shape[:2], CHANGE) for part in beside)], axis=1)
-    widths[none] = np.broadcast_to(widths[:, :1], widths.shape)[none]
-    return _in_order(found, widths, _unit(towards[:, None]) if mirrored else None)
+    widths[missing] = np.broadcast_to(widths[:, :1], widths.shape)[missing]
+    return _in_order(rays, widths, _unit(towards[:, None]) if mirrored else None)
 
 
 def _in_order(rays: np.ndarray, widths: np.ndarray, start: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
-    """By their angle: half a turn from the start, or a whole one, which ends at the ray where it began."""
+    """Sorted by angle: over half a circle from the start, or over a whole circle, whose last ray is the first."""
     u, v = rays[..., 0], rays[..., 1]
     if start is None:
         order = np.argsort(np.arctan2(v, u), axis=1)
@@ -360,33 +361,33 @@ def _unit(rays: np.ndarray) -> np.ndarray:
     return np.asarray(rays / np.hypot(rays[..., 0], rays[..., 1])[..., None])
 
 
-def narrowed(widths: np.ndarray, apart: np.ndarray, mirrored: bool) -> np.ndarray:
-    """Widths such that none exceeds that of a neighbour and the angle to it: what is narrow there is so from here.
+def narrowed(widths: np.ndarray, angles: np.ndarray, mirrored: bool) -> np.ndarray:
+    """Widths limited so that none exceeds the sum of a neighbour's width and the angle to it.
 
-    apart: angles between neighbours. Not mirrored, the last ray is the first."""
-    found, count = widths.copy(), apart.shape[1]
+    angles: between neighbours. If not mirrored, the last ray is the first."""
+    result, count = widths.copy(), angles.shape[1]
     for _ in range(1 if mirrored else 2):
         if not mirrored:
-            found[:, 0] = found[:, -1] = np.minimum(found[:, 0], found[:, -1])
+            result[:, 0] = result[:, -1] = np.minimum(result[:, 0], result[:, -1])
         for k in range(count):
-            np.minimum(found[:, k + 1], found[:, k] + apart[:, k], out=found[:, k + 1])
+            np.minimum(result[:, k + 1], result[:, k] + angles[:, k], out=result[:, k + 1])
         for k in range(count, 0, -1):
-            np.minimum(found[:, k - 1], found[:, k] + apart[:, k - 1], out=found[:, k - 1])
-    return found
+            np.minimum(result[:, k - 1], result[:, k] + angles[:, k - 1], out=result[:, k - 1])
+    return result
 
 
 def first_panels(views: np.ndarray, scale: tuple[float, float], mirrored: bool, halvings: int, changes: np.ndarray) -> Panels:
-    """Panels from each special ray half way to the next, and back."""
+    """Panels from each special ray to the middle between it and its neighbours."""
     rays, widths = special_rays(views, scale, mirrored, changes)
     a, b = rays[:, :-1], rays[:, 1:]
-    apart = np.arctan2(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0], (a * b).sum(axis=-1)) / 2
-    widths = narrowed(widths, 2 * abs(apart), mirrored)
-    view = np.broadcast_to(np.arange(len(views))[:, None], apart.shape)
-    kept = np.concatenate([(apart > 0).ravel()] * 2)
-    view = np.concatenate([view.ravel()] * 2)[kept]
-    far = np.concatenate([apart.ravel(), -apart.ravel()])[kept]
-    width = np.concatenate([widths[:, :-1].ravel(), widths[:, 1:].ravel()])[kept].clip(NARROWEST, 1)
-    ray = np.concatenate([a.reshape(-1, 2), b.reshape(-1, 2)])[kept]
+    half_angles = np.arctan2(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0], (a * b).sum(axis=-1)) / 2
+    widths = narrowed(widths, 2 * abs(half_angles), mirrored)
+    view = np.broadcast_to(np.arange(len(views))[:, None], half_angles.shape)
+    distinct = np.concatenate([(half_angles > 0).ravel()] * 2)
+    view = np.concatenate([view.ravel()] * 2)[distinct]
+    far = np.concatenate([half_angles.ravel(), -half_angles.ravel()])[distinct]
+    width = np.concatenate([widths[:, :-1].ravel(), widths[:, 1:].ravel()])[distinct].clip(NARROWEST, 1)
+    ray = np.concatenate([a.reshape(-1, 2), b.reshape(-1, 2)])[distinct]
     panels = Panels(view, ray, far, width, np.zeros(len(far)), np.arcsinh(abs(far) / width))
     for _ in range(halvings):
         panels = panels.halves()
@@ -394,7 +395,7 @@ def first_panels(views: np.ndarray, scale: tuple[float, float], mirrored: bool, 
 
 
 class Sums(NamedTuple):
-    """Of each panel its integral, the error of the rule over the angle, which halves may lessen, and that of the rays."""
+    """For each panel its integral, the error of the rule over the angle, which refinement reduces, and that of the rays."""
 
     value: np.ndarray
     error: np.ndarray
@@ -402,25 +403,25 @@ class Sums(NamedTuple):
 
 
 def summed(batch: Batch, parameters: Any, views: np.ndarray, panels: Panels, power: float) -> Sums:
-    """By Kronrod's rule, and its error from Gauss's, as QUADPACK tells it for a power of 1.5; those of the rays are added."""
-    rays, turned = panels.rays()
-    values, errors = np.moveaxis(batch([rays, views[panels.view][:, None]], parameters), -1, 0) * turned
+    """By the Gauss-Kronrod rule, with QUADPACK's estimate of the error if the power is 1.5; errors of the rays are added up."""
+    rays, jacobian = panels.rays()
+    values, errors = np.moveaxis(batch([rays, views[panels.view][:, None]], parameters), -1, 0) * jacobian
     value, within = values @ KRONROD, errors @ KRONROD
-    apart = abs(values @ (KRONROD - GAUSS))
-    around = abs(values - value[:, None] / 2) @ KRONROD + NOTHING
-    return Sums(value, around * np.minimum(1, 2000 * apart / around) ** power, within)
+    difference = abs(values @ (KRONROD - GAUSS))
+    variation = abs(values - value[:, None] / 2) @ KRONROD + NOTHING
+    return Sums(value, variation * np.minimum(1, 2000 * difference / variation) ** power, within)
 
 
 # --- all views --------------------------------------------------------------------------------------------------------
 
 
 class Effort(NamedTuple):
-    """How much is known of a model, and so is spent on it.
+    """Settings of the quadrature, which depend on how much is known of a model.
 
-    levels: of rules along a ray, the first after which it may end, and how many there are. power: of the difference of two
-    rules over the angle, 1.5 for functions smooth between cuts. halvings: of panels, to begin with. most: rays of one view,
-    after which the error is told as it is. safety: what the sum of estimated errors is multiplied by to be a bound, so that
-    among random cases the truth is within.
+    levels: of rules along a ray, the first that may be the last, and their number. power: of the difference of two rules over
+    the angle, 1.5 for functions that are smooth between cuts. halvings: of the first panels. most: number of rays of one view
+    after which the refinement ends. safety: factor from the sum of estimated errors to the bound, chosen so that the bound
+    holds in random cases.
     """
 
     levels: tuple[int, int]
@@ -435,9 +436,9 @@ UNKNOWN = Effort((2, 5), 1.0, 1, 3000, 3.0)
 
 
 class Reflected(NamedTuple):
-    """Shares of light that are reflected and bounds of their errors, of views (..., 3), by kernels and their parameters.
+    """Fractions of light that are reflected, and bounds of their errors, for views (..., 3), by kernels and their parameters.
 
-    mirrored: whether both sides of the view's plane are alike.
+    mirrored: whether the integrand is symmetric about the plane of incidence.
     """
 
     kernels: tuple[Callable[..., Any], ...]
@@ -449,31 +450,31 @@ class Reflected(NamedTuple):
         wo = as_vectors("wo", wo)
         views = wo.reshape(-1, 3).astype(np.float64)
         above = np.flatnonzero(views[:, 2] > 0)
-        both = np.zeros((2, len(views)))
+        results = np.zeros((2, len(views)))
         for k in range(0, len(above), TOGETHER):
-            some = above[k : k + TOGETHER]
-            both[:, some] = self._over_rays(views[some])
-        both[1] += (ROUNDING + np.finfo(wo.dtype).eps) * both[0]
-        value, error = both.astype(wo.dtype).reshape(2, *wo.shape[:-1])
+            chunk = above[k : k + TOGETHER]
+            results[:, chunk] = self._over_rays(views[chunk])
+        results[1] += (ROUNDING + np.finfo(wo.dtype).eps) * results[0]
+        value, error = results.astype(wo.dtype).reshape(2, *wo.shape[:-1])
         return value[()], error[()]
 
     def _over_rays(self, views: np.ndarray) -> np.ndarray:
-        """Values and errors (2, n): panels are halved until these add up to the tolerance."""
+        """Values and errors (2, n): panels are halved until their errors add up to the tolerance."""
         batch, count, effort = ray_batch(*self.kernels), len(views), self.effort
         scale = (self.parameters.scale_x, self.parameters.scale_y)
         changes = cosines_of_changes(views[:, 2], self.parameters.critical, self.kernels[0] is cavity_creases)
         panels = first_panels(views, scale, self.mirrored, effort.halvings, changes)
         sums = summed(batch, self.parameters, views, panels, effort.power)
-        rays = len(PLACES) * np.bincount(panels.view, minlength=count)
+        rays = len(KRONROD_NODES) * np.bincount(panels.view, minlength=count)
         for _ in range(ROUNDS):
             goal = TOLERANCE * np.bincount(panels.view, sums.value, count) / np.bincount(panels.view, minlength=count)
             split = (sums.error > goal[panels.view]) & (rays < effort.most)[panels.view]
             if not split.any():
                 break
-            children = panels.taken(split).halves()
-            found = summed(batch, self.parameters, views, children, effort.power)
-            rays += len(PLACES) * np.bincount(children.view, minlength=count)
-            panels, sums = _joined(panels.taken(~split), children), _joined(Sums(*(a[~split] for a in sums)), found)
+            children = panels.subset(split).halves()
+            child_sums = summed(batch, self.parameters, views, children, effort.power)
+            rays += len(KRONROD_NODES) * np.bincount(children.view, minlength=count)
+            panels, sums = _joined(panels.subset(~split), children), _joined(Sums(*(a[~split] for a in sums)), child_sums)
         value, error, within = (np.bincount(panels.view, part, count) for part in sums)
         return (2 if self.mirrored else 1) * np.stack([value, self.effort.safety * (error + within)])
 
@@ -489,13 +490,13 @@ MODELS = (
     *(G2_of_facet(kind.G2_kernel) for kind in (VCavity, Implicit, Kelemen, SchlickSmith)),
 )
 INDICES = (Dielectric.kernel, Conductor.kernel)
-ROUGH = 0.5  # roughness from which on light from the zenith is masked so much less than other that a ray is cut there
-UNEQUAL = 2.0  # ratio of roughnesses, likewise for light along the axis of the smaller
-NEVER = 4.0  # square of a cosine that no facet has
+ROUGH = 0.5  # slope scale from which on light from the zenith is shadowed so much less than other light that a ray is cut there
+UNEQUAL = 2.0  # ratio of slope scales, likewise for light along the axis of the smaller one
+NEVER = 4.0  # square of a cosine that does not occur
 
 
-def reflected_share(model: Masking, fresnel: Fresnel) -> Reflected:
-    """The same function for equal models. What is known of a model is known of its kernels: a class may change them."""
+def reflected_fraction(model: Masking, fresnel: Fresnel) -> Reflected:
+    """The same result for equal models. The settings depend on the kernels, not on the class: a subclass may change them."""
     ndf, kind = model.ndf, type(fresnel)
     parts = (type(ndf).kernel, model.Lambda_kernel, model.G2_of_facet, kind.kernel)
     familiar, masked = type(ndf).regular, model.G2_of_facet in MODELS and Lambda_as_usual(model)
@@ -512,14 +513,14 @@ def Lambda_as_usual(model: Masking) -> bool:
 
 
 def cuts_of(model: Masking) -> Callable[..., float]:
-    """The kernel that tells where a ray is cut."""
+    """The kernel of the radii at which a ray is cut."""
     if model.G2_of_facet is CAVITIES:
         return cavity_creases
     return equals if model.G2_of_facet in BY_AZIMUTH else bright_light
 
 
 def bright(scale: tuple[float, float]) -> int:
-    """Which of `bright_light` count: 0 none, 1 the zenith, 2 all."""
+    """Which cuts of `bright_light` matter: 0 none, 1 the zenith, 2 all."""
     low, high = sorted(scale)
     return 2 if high > UNEQUAL * low else int(high > ROUGH)
 

@@ -24,7 +24,7 @@ from microfacet.brdf.specular import Microfacet, mu
 from microfacet.directions import as_uniform, as_vectors, vectors
 from microfacet.kernels import Batch, ByPrecision, Vector
 from microfacet.material.fresnel import F0, Fresnel, c, schlick_F
-from microfacet.notation import raw
+from microfacet.notation import printed_symbol
 from microfacet.statement import Equation
 from microfacet.visibility.masking import over_pairs
 
@@ -32,10 +32,10 @@ FORMS = ("lobe", "scaled")
 
 # --- statements -------------------------------------------------------------------------------------------------------
 
-E_o = raw("E_o", r"E(\theta_o)", positive=True)
-lacked = raw("lacked", r"\int_{\Omega} (1 - E(\theta_i)) \cos\theta_i \, d\omega_i", positive=True)
-E_mean, F_mean = raw("E_mean", r"\bar{E}", positive=True), raw("F_mean", r"\bar{F}", positive=True)
-F_later = raw("F_later", r"F_{+}", positive=True)
+E_o = printed_symbol("E_o", r"E(\theta_o)", positive=True)
+missing = printed_symbol("lacked", r"\int_{\Omega} (1 - E(\theta_i)) \cos\theta_i \, d\omega_i", positive=True)
+E_mean, F_mean = printed_symbol("E_mean", r"\bar{E}", positive=True), printed_symbol("F_mean", r"\bar{F}", positive=True)
+F_later = printed_symbol("F_later", r"F_{+}", positive=True)
 
 
 def _lobe_steps(it: Equation) -> list[Any]:
@@ -43,7 +43,7 @@ def _lobe_steps(it: Equation) -> list[Any]:
     n = sp.Symbol("n", positive=True)
     all_light = sp.integrate(sp.expand(2 * sp.pi * mu * (1 - mu**n)), (mu, 0, 1))
     mean = sp.integrate(2 * mu * mu**n, (mu, 0, 1))
-    return [sp.simplify(all_light - it.where[lacked].subs(E_mean, mean)), it.means.subs(it.where) - it.equals]
+    return [sp.simplify(all_light - it.where[missing].subs(E_mean, mean)), it.means.subs(it.where) - it.equals]
 
 
 def _scale_steps(it: Equation) -> list[Any]:
@@ -56,13 +56,13 @@ with sp.evaluate(False):
     lobe = Equation(
         key="brdf.compensation.lobe",
         title="a lobe that holds what one bounce lacks",
-        symbol=raw(
+        symbol=printed_symbol(
             "light_of_lobe",
             r"\int_{\Omega} \frac{(1 - E(\theta_o)) (1 - E(\theta_i))}{\pi (1 - \bar{E})} \cos\theta_i \, d\omega_i",
         ),
-        means=(1 - E_o) * lacked / (sp.pi * (1 - E_mean)),
+        means=(1 - E_o) * missing / (sp.pi * (1 - E_mean)),
         equals=1 - E_o,
-        where={lacked: sp.pi * (1 - E_mean)},
+        where={missing: sp.pi * (1 - E_mean)},
         over={E_o: (0.01, 0.99), E_mean: (0.01, 0.99)},
         proof=_lobe_steps,
         proved_by="sympy: the integral for every power of the cosine in place of E, and the mean albedo likewise",
@@ -86,7 +86,7 @@ with sp.evaluate(False):
     scale = Equation(
         key="brdf.compensation.scale",
         title="by how much one bounce is made brighter instead",
-        symbol=raw("k_scale", r"k(\theta_o)"),
+        symbol=printed_symbol("k_scale", r"k(\theta_o)"),
         equals=1 + F0 * (1 - E_o) / E_o,
         over={F0: (0.01, 1), E_o: (0.01, 1)},
         proof=_scale_steps,
@@ -120,19 +120,19 @@ def _schlick_steps(it: Equation) -> list[Any]:
 
 # --- the albedo of the first bounce, tabulated ----------------------------------------------------------------------------
 
-STEPS, TURNS = 24, 8  # terms of Chebyshev's series in height and in azimuth
-ROUGH = 4.0  # roughness above which the albedo changes so fast near grazing that it takes twice as many steps
-NODES, AZIMUTHS = 128, 64  # of the rule for means
-BRIGHT = 1e-4  # how far the albedo may exceed 1 by errors of its quadrature
-SURE = 0.03  # how far the series may be from the albedo, and from its share where it is divided by
+HEIGHT_TERMS, AZIMUTH_TERMS = 24, 8  # of the Chebyshev series in height and in azimuth
+ROUGH = 4.0  # slope scale above which the albedo changes so fast near grazing that twice as many terms are needed
+MEAN_NODES, AZIMUTHS = 128, 64  # of the quadrature for means
+EXCESS = 1e-4  # by which the albedo may exceed 1 because of errors of its quadrature
+LARGEST_ERROR = 0.03  # of the series: absolute, or relative to the albedo where that is a divisor
 INTERVALS = 256  # of cosines, to sample the lobe
-SELDOM = 0.1  # of the mean density over cosines, at which the lobe is sampled at least
-LEAST = ByPrecision(double=1e-17, single=1e-8)  # above 0: the lobe has light wherever it is sampled
-BETWEEN = 3.0  # the largest error, over that half way between nodes and at the ends
+LEAST_DENSITY = 0.1  # lower bound of the density with which the lobe is sampled, relative to its mean over cosines
+LEAST = ByPrecision(double=1e-17, single=1e-8)  # above 0, so that the lobe is positive wherever it is sampled
+BETWEEN = 3.0  # ratio of the largest error to that half way between nodes and at the ends
 
 
 class CompensatedParameters(NamedTuple):
-    """Those of one bounce; the slope scale; what `_widths` gives; the coefficients of the series; one factor."""
+    """Parameters of the first bounce; the slope scale; the result of `_widths`; the coefficients of the series; a factor."""
 
     single: Any
     scale_x: float
@@ -144,12 +144,13 @@ class CompensatedParameters(NamedTuple):
 
 
 @cache
-def interpolation(steps: int, turns: int) -> Callable[..., float]:
-    """-ln E, which is never negative, by a series in the root of z/(z + k r), r the length of the unstretched shadow, and in
-    the cosine of twice its azimuth. The series is multiplied by what vanishes with the roughness, and its error with it."""
-    last_step, last_turn = steps - 1, turns - 1
+def interpolation(height_terms: int, azimuth_terms: int) -> Callable[..., float]:
+    """-ln E, which is never negative, by a series in the root of z/(z + k r), where r is the length of the unstretched
+    horizontal part of the direction, and in the cosine of twice its azimuth. The series is multiplied by a factor that vanishes
+    with the roughness, as its error does."""
+    last_height, last_azimuth = height_terms - 1, azimuth_terms - 1
 
-    def dimming(w: Vector, p: CompensatedParameters) -> float:
+    def minus_log_albedo(w: Vector, p: CompensatedParameters) -> float:
         (x, y, z), table = w, p.table
         across, along = (p.scale_x * x) * (p.scale_x * x), (p.scale_y * y) * (p.scale_y * y)
         square = across + along
@@ -158,85 +159,86 @@ def interpolation(steps: int, turns: int) -> Callable[..., float]:
         c = (across - along) / square if square > 0.0 else 0.0
         a1 = 0.0
         a2 = 0.0
-        for k in range(last_step, -1, -1):
+        for k in range(last_height, -1, -1):
             b1 = 0.0
             b2 = 0.0
-            for j in range(last_turn, 0, -1):
-                b1, b2 = 2.0 * c * b1 - b2 + table[k * turns + j], b1
-            row = c * b1 - b2 + table[k * turns]
+            for j in range(last_azimuth, 0, -1):
+                b1, b2 = 2.0 * c * b1 - b2 + table[k * azimuth_terms + j], b1
+            row = c * b1 - b2 + table[k * azimuth_terms]
             a1, a2 = (2.0 * s * a1 - a2 + row, a1) if k > 0 else (s * a1 - a2 + row, a1)
         leaning = r + p.upright * z
         return max(a1, LEAST) * (leaning / (z + leaning))
 
-    return dimming
+    return minus_log_albedo
 
 
 def _widths(alpha_x: float, alpha_y: float) -> tuple[float, float]:
-    """The k of the series, and a length that keeps what it is multiplied by above 0 where there is no shadow: as measured,
-    the ones of the smallest error."""
+    """The k of the series, and a length that keeps its factor above 0 at normal incidence: fitted for the smallest error."""
     roughness = sqrt(alpha_x * alpha_y)
     return 2 / (1 + roughness) ** 1.25, 4 * roughness
 
 
 def _chebyshev(count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes in (-1, 1), and the matrix that makes coefficients of values there."""
+    """Nodes in (-1, 1), and the matrix from values at the nodes to coefficients."""
     angle = np.pi * (np.arange(count) + 0.5) / count
-    make = np.cos(np.outer(np.arange(count), angle)) * 2 / count
-    make[0] /= 2
-    return np.cos(angle), make
+    to_coefficients = np.cos(np.outer(np.arange(count), angle)) * 2 / count
+    to_coefficients[0] /= 2
+    return np.cos(angle), to_coefficients
 
 
-class Kept(NamedTuple):
-    """What one bounce of F = 1 keeps: means of E and of 1 - E over light from everywhere, coefficients of -ln E, how far the
-    series may be from E, absolutely and of E (what was found between its nodes, and the error of the quadrature), and the mean
-    of 1 - E over azimuth in the intervals of a `CosineTable`, or a part of its mean where it is much less."""
+class AlbedoTable(NamedTuple):
+    """The albedo E of one bounce for F = 1. mean, missing: cosine-weighted means of E and of 1 - E over the hemisphere. table:
+    coefficients of -ln E. off, relative_off: bounds of the error of the series, from the differences between its nodes and the
+    error of the quadrature. heights: means of 1 - E over azimuth in the intervals of a `CosineTable`, bounded from below."""
 
     mean: float
     missing: float
     table: tuple[float, ...]
     off: float
-    share_off: float
+    relative_off: float
     heights: tuple[float, ...]
 
 
 @lru_cache(maxsize=64)
-def kept(reflected: Reflected, scale: tuple[float, float], steps: int, turns: int) -> Kept:
-    """Found once for all reflectances over the same model. ValueError where E is above 1."""
-    (s, make_s), (w, make_w) = _chebyshev(steps), _chebyshev(turns)
+def tabulated(reflected: Reflected, scale: tuple[float, float], height_terms: int, azimuth_terms: int) -> AlbedoTable:
+    """Computed once for all reflectances over the same model. ValueError where E is above 1."""
+    (s, to_coefficients_s), (w, to_coefficients_w) = _chebyshev(height_terms), _chebyshev(azimuth_terms)
     wo, leaning = _directions(s, w, scale)
     albedo, error = reflected(wo)
-    if (albedo - error).max() > 1 + BRIGHT:
+    if (albedo - error).max() > 1 + EXCESS:
         raise ValueError(
             f"a model that reflects more light than it gets cannot be compensated: its albedo is {albedo.max():.4g}"
         )
     albedo = np.clip(albedo, np.finfo(float).tiny, 1)
-    table = make_s @ (-np.log(albedo) * (1 + leaning) / leaning) @ make_w.T
-    dimming = _dimming(table, scale, _heights()[0])
-    off, share_off = _missed(reflected, scale, table)
-    missing = _mean(-np.expm1(-dimming))
-    by_height = np.maximum(-np.expm1(-_dimming(table, scale, _middles())).mean(axis=1), SELDOM * missing + LEAST)
+    table = to_coefficients_s @ (-np.log(albedo) * (1 + leaning) / leaning) @ to_coefficients_w.T
+    minus_log_albedo = _minus_log_albedo(table, scale, _heights()[0])
+    off, relative_off = _series_error(reflected, scale, table)
+    missing = _mean(-np.expm1(-minus_log_albedo))
+    by_height = np.maximum(
+        -np.expm1(-_minus_log_albedo(table, scale, _middles())).mean(axis=1), LEAST_DENSITY * missing + LEAST
+    )
     numbers = (tuple(map(float, part)) for part in (table.ravel(), by_height))
-    return Kept(_mean(np.exp(-dimming)), missing, next(numbers), off, share_off, next(numbers))
+    return AlbedoTable(_mean(np.exp(-minus_log_albedo)), missing, next(numbers), off, relative_off, next(numbers))
 
 
 def _directions(s: np.ndarray, w: np.ndarray, scale: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
-    """Views where the series' variables are s and w, and what it is multiplied by there is made of."""
+    """Views at which the variables of the series are s and w, and the length from which its factor follows."""
     k, upright = _widths(*scale)
-    share = ((s[:, None] + 1) / 2) ** 2  # z/(z + k r)
-    r, turn = (1 - share) / (k * share), np.arccos(w) / 2
-    shadow = np.stack(np.broadcast_arrays(r * np.cos(turn) / scale[0], r * np.sin(turn) / scale[1], 1.0), axis=-1)
+    fraction = ((s[:, None] + 1) / 2) ** 2  # z/(z + k r)
+    r, phi = (1 - fraction) / (k * fraction), np.arccos(w) / 2
+    shadow = np.stack(np.broadcast_arrays(r * np.cos(phi) / scale[0], r * np.sin(phi) / scale[1], 1.0), axis=-1)
     return shadow / np.linalg.norm(shadow, axis=-1, keepdims=True), r + upright
 
 
-def _missed(reflected: Reflected, scale: tuple[float, float], table: np.ndarray) -> tuple[float, float]:
-    """How far the series is from the albedo between its nodes and from above, with the quadrature's error: absolutely, of E."""
-    steps, turns = table.shape
-    s, w = np.cos(np.pi * np.arange(steps) / steps), np.cos(np.pi * np.arange(turns + 1) / turns)
+def _series_error(reflected: Reflected, scale: tuple[float, float], table: np.ndarray) -> tuple[float, float]:
+    """Absolute and relative error of the series, from views between and beyond its nodes, and from the quadrature's error."""
+    height_terms, azimuth_terms = table.shape
+    s, w = np.cos(np.pi * np.arange(height_terms) / height_terms), np.cos(np.pi * np.arange(azimuth_terms + 1) / azimuth_terms)
     wo, leaning = _directions(s, w, scale)
     albedo, error = reflected(wo)
     series = np.maximum(np.asarray(np.polynomial.chebyshev.chebgrid2d(s, w, table)), 0) * leaning / (1 + leaning)
-    apart = abs(np.exp(-series) - albedo) + error
-    return float(BETWEEN * apart.max()), float(BETWEEN * (apart / np.maximum(albedo, np.finfo(float).tiny)).max())
+    difference = abs(np.exp(-series) - albedo) + error
+    return float(BETWEEN * difference.max()), float(BETWEEN * (difference / np.maximum(albedo, np.finfo(float).tiny)).max())
 
 
 def _middles() -> np.ndarray:
@@ -245,21 +247,21 @@ def _middles() -> np.ndarray:
     return np.append((ends[1:] + ends[:-1]) / 2, ends[-1])
 
 
-def _dimming(table: np.ndarray, scale: tuple[float, float], v: np.ndarray) -> np.ndarray:
-    """What the series gives in directions where sqrt(-ln cos theta) is v, over azimuths."""
-    v, turn = v[:, None], np.pi / 2 * (np.arange(AZIMUTHS) + 0.5) / AZIMUTHS
+def _minus_log_albedo(table: np.ndarray, scale: tuple[float, float], v: np.ndarray) -> np.ndarray:
+    """The values of the series in directions where sqrt(-ln cos theta) is v, over azimuths."""
+    v, phi = v[:, None], np.pi / 2 * (np.arange(AZIMUTHS) + 0.5) / AZIMUTHS
     tangent = np.sqrt(np.expm1(2 * v * v))
-    across, along = (scale[0] * tangent * np.cos(turn)) ** 2, (scale[1] * tangent * np.sin(turn)) ** 2
+    across, along = (scale[0] * tangent * np.cos(phi)) ** 2, (scale[1] * tangent * np.sin(phi)) ** 2
     r, (k, upright) = np.sqrt(across + along), _widths(*scale)
     series = np.polynomial.chebyshev.chebval2d(2 / np.sqrt(1 + k * r) - 1, (across - along) / r**2, table)
     return np.asarray(np.maximum(series, 0) * ((r + upright) / (1 + r + upright)))
 
 
 def _heights() -> tuple[np.ndarray, np.ndarray]:
-    """Roots of -ln(cosine), and what each weighs in a mean over light from everywhere, which counts by its cosine.
+    """Nodes in sqrt(-ln cos theta), and their weights in a cosine-weighted mean over the hemisphere.
 
-    They resolve cosines of any size, as small roughnesses need, and angles near 0."""
-    x, weigh = np.polynomial.legendre.leggauss(NODES)
+    They resolve cosines of any size, as small roughness needs, and angles near 0."""
+    x, weigh = np.polynomial.legendre.leggauss(MEAN_NODES)
     v = LOWEST * (x + 1) / 2
     weight = weigh * v * np.exp(-2 * v * v)
     return v, weight / weight.sum()
@@ -270,7 +272,7 @@ def _mean(values: np.ndarray) -> float:
 
 
 def mean_reflectance(fresnel: Fresnel) -> tuple[float, float]:
-    """The mean over light from everywhere, which counts by its cosine, and its error; cut where reflection is total."""
+    """The cosine-weighted mean over the hemisphere, and its error; split where reflection becomes total."""
     nodes, weights, starts = map(np.array, tanh_sinh())
     level = np.searchsorted(starts, np.arange(len(nodes)), side="right") - 1
     weights = weights / 2.0 ** (level.max() - level)  # a level's own are for the rule that ends with it
@@ -288,21 +290,21 @@ def mean_reflectance(fresnel: Fresnel) -> tuple[float, float]:
 
 
 @cache
-def compensated(single: Callable[..., float], form: str, steps: int, turns: int) -> Batch:
-    """The loop of the whole BRDF. single: the kernel of one bounce's."""
-    dimming = interpolation(steps, turns)
+def compensated(single: Callable[..., float], form: str, height_terms: int, azimuth_terms: int) -> Batch:
+    """The compiled BRDF. single: the kernel of the first bounce."""
+    minus_log_albedo = interpolation(height_terms, azimuth_terms)
 
     def with_lobe(wo: Vector, wi: Vector, p: CompensatedParameters) -> float:
         if not (wo[2] > 0.0 and wi[2] > 0.0):
             return 0.0
-        lacked_o, lacked_i = expm1(-dimming(wo, p)), expm1(-dimming(wi, p))
-        return single(wo, wi, p.single) + (p.factor * lacked_o) * lacked_i
+        missing_o, missing_i = expm1(-minus_log_albedo(wo, p)), expm1(-minus_log_albedo(wi, p))
+        return single(wo, wi, p.single) + (p.factor * missing_o) * missing_i
 
     def scaled(wo: Vector, wi: Vector, p: CompensatedParameters) -> float:
         if not (wo[2] > 0.0 and wi[2] > 0.0):
             return 0.0
-        kept = exp(-dimming(wo, p))
-        return single(wo, wi, p.single) * stated_scale(p.factor, kept)
+        albedo = exp(-minus_log_albedo(wo, p))
+        return single(wo, wi, p.single) * stated_scale(p.factor, albedo)
 
     return over_pairs(with_lobe if form == "lobe" else scaled)
 
@@ -311,12 +313,12 @@ stated_scale = scale.scalar
 
 
 @cache
-def series(steps: int, turns: int) -> Batch:
+def series(height_terms: int, azimuth_terms: int) -> Batch:
     """-ln E of a direction, with the parameters of `compensated`."""
-    dimming = interpolation(steps, turns)
+    minus_log_albedo = interpolation(height_terms, azimuth_terms)
 
     def dimmed(w: Vector, p: CompensatedParameters) -> float:
-        return dimming(w, p) if w[2] > 0.0 else 0.0
+        return minus_log_albedo(w, p) if w[2] > 0.0 else 0.0
 
     return Batch(dimmed, [3])
 
@@ -367,25 +369,25 @@ class Compensated(BRDF):
         self.brdf, self.form, self.model, self.fresnel = brdf, form, brdf.model, brdf.fresnel
         self.mirrors = Microfacet(brdf.model)
         alpha_x, alpha_y = brdf.model.ndf.slope_scale
-        steps = STEPS if max(alpha_x, alpha_y) <= ROUGH else 2 * STEPS
-        turns = 1 if brdf.model.ndf.isotropic else TURNS
-        found = kept(self.mirrors.reflected, (alpha_x, alpha_y), steps, turns)
-        self.mean_albedo, missing, table = found.mean, found.missing, found.table
-        self.off = found.off if form == "lobe" else found.share_off
-        if self.off > SURE:
+        height_terms = HEIGHT_TERMS if max(alpha_x, alpha_y) <= ROUGH else 2 * HEIGHT_TERMS
+        azimuth_terms = 1 if brdf.model.ndf.isotropic else AZIMUTH_TERMS
+        entry = tabulated(self.mirrors.reflected, (alpha_x, alpha_y), height_terms, azimuth_terms)
+        self.mean_albedo, missing, table = entry.mean, entry.missing, entry.table
+        self.off = entry.off if form == "lobe" else entry.relative_off
+        if self.off > LARGEST_ERROR:
             raise ValueError(f"the albedo of {brdf.model!r} is known to {100 * self.off:.2g} % only, too little for {form!r}")
         self._mean_F = mean_reflectance(brdf.fresnel)
-        self.added, self.added_error = self._added(found.off)
+        self.added, self.added_error = self._added(entry.off)
         self._factor = self.added / (pi * missing) if form == "lobe" and missing > 0 else self.added
         single, parameters = brdf.evaluation
         widths = _widths(alpha_x, alpha_y)
         self.parameters = CompensatedParameters(parameters, alpha_x, alpha_y, *widths, table, self._factor)
-        self._batch = compensated(single.function, form, steps, turns)
-        self._series, self._heights = series(steps, turns), CosineTable(found.heights)
+        self._batch = compensated(single.function, form, height_terms, azimuth_terms)
+        self._series, self._heights = series(height_terms, azimuth_terms), CosineTable(entry.heights)
 
     def _added(self, off: float) -> tuple[float, float]:
-        """What facets leave of the light of later bounces, and its error: by their mean reflectance, or by that at normal
-        incidence. off: how far the mean albedo may be off."""
+        """The fraction of the light of later bounces that facets do not absorb, and its error: by their mean reflectance, or by
+        that at normal incidence. off: bound of the error of the mean albedo."""
         if self.form == "scaled":
             return float(self.fresnel.F(1.0)), 0.0
         F, error = self._mean_F
@@ -449,36 +451,45 @@ class Compensated(BRDF):
         # D does not occur in it where only one bounce has light, so it is right also where D is too large for a number.
         once = self.brdf.weight(wo, wi)
         if self.form == "scaled":
-            return (once * stated_scale(self.added, np.exp(-self._dimming(wo)))).astype(once.dtype)
+            return (once * stated_scale(self.added, np.exp(-self._minus_log_albedo(wo)))).astype(once.dtype)
         chance, single, lobe = self._chance(wo), self.brdf.pdf(wo, wi), self._heights.pdf(wo, wi)
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
             of_single = np.where(lobe > 0, 1 / (1 + lobe / single), 0.0)
-        added = np.pi * self._factor * np.expm1(-self._dimming(wo)) * np.expm1(-self._dimming(wi)) / self._heights.factor(wi)
+        added = (
+            np.pi
+            * self._factor
+            * np.expm1(-self._minus_log_albedo(wo))
+            * np.expm1(-self._minus_log_albedo(wi))
+            / self._heights.factor(wi)
+        )
         light, density = ((1 - of_single) * a + of_single * b for a, b in ((added, once), (chance, 1 - chance)))
         light = np.where(lobe > 0, light, 0.0)
         return np.divide(light, density, out=np.zeros_like(light), where=density > 0).astype(once.dtype)[()]
 
-    def _dimming(self, w: ArrayLike) -> NDArray[Any]:
+    def _minus_log_albedo(self, w: ArrayLike) -> NDArray[Any]:
         """-ln E of one bounce of F = 1, by the series; 0 below the horizon."""
         return self._series([np.asarray(w, np.float64)], self.parameters)
 
     def _chance(self, wo: ArrayLike) -> NDArray[Any]:
-        """How often the lobe is sampled: its part of the albedo, by the means of F."""
-        lacked = -np.expm1(-self._dimming(wo))
-        lobe, single = self.added * lacked, self._mean_F[0] * (1 - lacked)
+        """The probability with which the lobe is sampled: its part of the albedo, by the means of F."""
+        missing = -np.expm1(-self._minus_log_albedo(wo))
+        lobe, single = self.added * missing, self._mean_F[0] * (1 - missing)
         return np.divide(lobe, lobe + single, out=np.zeros_like(lobe), where=lobe + single > 0)
 
     def albedo_with_error(self, wo: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
         # The error is that of the quadratures and of the means; `evaluate` has the albedo from a series, with `off` more.
-        (once, once_error), (kept, kept_error) = self.brdf.albedo_with_error(wo), self.mirrors.albedo_with_error(wo)
-        above = kept > 0
-        lacked = np.where(above, 1 - kept, 0)
+        (single, single_error), (mirror_albedo, mirror_error) = (
+            self.brdf.albedo_with_error(wo),
+            self.mirrors.albedo_with_error(wo),
+        )
+        above = mirror_albedo > 0
+        missing = np.where(above, 1 - mirror_albedo, 0)
         if self.form == "lobe":
-            error = once_error + self.added * kept_error + self.added_error * abs(lacked)
-            return (once + self.added * lacked)[()], np.where(above, error, 0)[()]
-        share = np.where(above, kept, 1)
-        scale = stated_scale(self.added, share)
-        return once * scale, scale * once_error + once * self.added * kept_error / share**2
+            error = single_error + self.added * mirror_error + self.added_error * abs(missing)
+            return (single + self.added * missing)[()], np.where(above, error, 0)[()]
+        divisor = np.where(above, mirror_albedo, 1)
+        scale = stated_scale(self.added, divisor)
+        return single * scale, scale * single_error + single * self.added * mirror_error / divisor**2
 
     def __repr__(self) -> str:
         return f"Compensated({self.brdf!r}, {self.form!r})"

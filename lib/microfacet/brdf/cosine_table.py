@@ -22,15 +22,15 @@ class CosineTable:
     def __init__(self, factors: ArrayLike = (1.0,)) -> None:
         given = np.asarray(factors, np.float64)
         self.squares = np.append(np.exp(-2 * starts(len(given)) ** 2), 0.0)  # of the cosines where intervals begin and end
-        shares = -np.diff(self.squares) * given
-        self.factors, self.ends = given / shares.sum(), np.cumsum(shares) / shares.sum()
+        fractions = -np.diff(self.squares) * given
+        self.factors, self.ends = given / fractions.sum(), np.cumsum(fractions) / fractions.sum()
 
     def sample(self, wo: ArrayLike, u: ArrayLike) -> NDArray[Any]:
         """Directions above the horizon, (..., 3) for u (..., 2) in [0, 1); the zero vector where wo is below the horizon."""
         wo, u = as_vectors("wo", wo), as_uniform("u", u)
         first, azimuth = u[..., 0].astype(np.float64), 2 * np.pi * u[..., 1].astype(np.float64)
         at = np.minimum(np.searchsorted(self.ends, first, side="right"), len(self.ends) - 1)
-        left = self.ends[at] - first  # of the interval's share, which ends at the lower cosine
+        left = self.ends[at] - first  # of the interval's fraction, which ends at the lower cosine
         square = np.minimum(self.squares[at + 1] + np.maximum(left, TINY) / self.factors[at], self.squares[at])
         radius = np.sqrt((1 - square).clip(0))
         wi = np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), np.sqrt(square)], axis=-1)
@@ -53,5 +53,5 @@ TINY = float(np.finfo(np.float64).tiny)
 
 
 def starts(count: int) -> NDArray[Any]:
-    """Of sqrt(-ln cos theta), where so many intervals begin."""
+    """Values of sqrt(-ln cos theta) at which `count` intervals begin."""
     return np.linspace(0, LOWEST, count) if count > 1 else np.zeros(1)

@@ -11,26 +11,28 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
-from microfacet.brdf.albedo import GAUSS, KRONROD, PLACES
+from microfacet.brdf.albedo import GAUSS, KRONROD, KRONROD_NODES
 from microfacet.brdf.base import BRDF
 from microfacet.brdf.cosine_table import CosineTable
 from microfacet.directions import as_vectors, positive, spherical
 from microfacet.geometry.slopes import P22_at_m, normals_from_slopes, normals_integral, solid_angle
 from microfacet.kernels import Batch, Pair, Vector
-from microfacet.notation import G1, G2, P22, chi, mu_i, mu_o, phi, phi_i, raw, theta_i, theta_o, wm, x, y
+from microfacet.notation import G1, G2, P22, chi, mu_i, mu_o, phi, phi_i, printed_symbol, theta_i, theta_o, wm, x, y
 from microfacet.statement import Equation
 from microfacet.visibility.masking import Masking
 
 # --- statements -------------------------------------------------------------------------------------------------------
 
-shown_o, shown_i = raw("shown_o", "v_o", nonnegative=True), raw("shown_i", "v_i", nonnegative=True)
+shown_o, shown_i = printed_symbol("shown_o", "v_o", nonnegative=True), printed_symbol("shown_i", "v_i", nonnegative=True)
 over_normals = normals_integral(
     r"\left\langle \omega_o, \omega_m \right\rangle \left\langle \omega_i, \omega_m \right\rangle"
     r" G_2(\omega_o, \omega_i, \omega_m) D(\omega_m)"
 )
 sigma = sp.Symbol("sigma", positive=True)
-matt = raw("rho_matt", r"\rho(\omega_o, \omega_i)")
-lit = raw("light_of_a_facet", r"\int_{\Omega} \frac{1}{\pi} \left\langle \omega_i, \omega_m \right\rangle \, d\omega_i")
+matt = printed_symbol("rho_matt", r"\rho(\omega_o, \omega_i)")
+lit = printed_symbol(
+    "light_of_a_facet", r"\int_{\Omega} \frac{1}{\pi} \left\langle \omega_i, \omega_m \right\rangle \, d\omega_i"
+)
 
 
 def _slope_steps(it: Equation) -> list[Any]:
@@ -44,10 +46,10 @@ def _slope_steps(it: Equation) -> list[Any]:
 
 
 def _furnace_steps(it: Equation) -> list[Any]:
-    """A facet sends on what it gets; with G2 at most G1, what it is seen of bounds the sum, and that is the second equation."""
-    seen, kept = sp.symbols("seen kept", positive=True)
-    gone = G1 * seen - (G1 / (1 + kept)) * seen
-    return [sp.Integer(0 if sp.factor(gone).is_nonnegative else 1), it.equals - lambert.equals]
+    """A facet scatters all its light. Since G2 is at most G1, the visible area bounds the sum: the second equation."""
+    visible, Lambda = sp.symbols("visible Lambda", positive=True)
+    difference = G1 * visible - (G1 / (1 + Lambda)) * visible
+    return [sp.Integer(0 if sp.factor(difference).is_nonnegative else 1), it.equals - lambert.equals]
 
 
 def _ring(rho: Any) -> sp.Expr:
@@ -72,7 +74,7 @@ with sp.evaluate(False):
     flat = Equation(
         key="brdf.diffuse.flat",
         title="without roughness matt facets are a matt plane",
-        symbol=raw("rho_flat", r"\lim_{\alpha \to 0} \rho(\omega_o, \omega_i)"),
+        symbol=printed_symbol("rho_flat", r"\lim_{\alpha \to 0} \rho(\omega_o, \omega_i)"),
         equals=1 / sp.pi,
         proof=lambda it: _flat_steps(it),
         proved_by="sympy: the integrand at slope 0, where nothing is hidden",
@@ -93,7 +95,7 @@ with sp.evaluate(False):
     energy = Equation(
         key="brdf.diffuse.energy",
         title="no more light leaves matt facets than arrives",
-        symbol=raw("matt_albedo", r"\int_{\Omega} \rho(\omega_o, \omega_i) \cos \theta_i \, d\omega_i"),
+        symbol=printed_symbol("matt_albedo", r"\int_{\Omega} \rho(\omega_o, \omega_i) \cos \theta_i \, d\omega_i"),
         equals=sp.Integer(1),
         relation=r"\le",
         proof=_furnace_steps,
@@ -133,28 +135,32 @@ def _flat_steps(it: Equation) -> list[Any]:
 
 
 def _fit_steps(it: Equation) -> list[Any]:
-    """Two numbers that depend on sigma, once more: the one falls from 1 to 1/2, the other rises from 0 to 0.45."""
+    """Both coefficients as functions of sigma, in another form: one falls from 1 to 1/2, the other rises from 0 to 0.45."""
     level = (1 + sp.Rational(33, 100) / (sigma**2 + sp.Rational(33, 100))) / 2
     rise = sp.Rational(45, 100) * (1 - sp.Rational(9, 100) / (sigma**2 + sp.Rational(9, 100)))
-    turn, steep, flat_ = sp.symbols("turn steep flat", positive=True)
-    put = {sp.Max(0, sp.cos(phi)): turn, sp.sin(sp.Max(theta_o, theta_i)): steep, sp.tan(sp.Min(theta_o, theta_i)): flat_}
-    return [it.equals.subs(put) - (level + rise * turn * steep * flat_) / sp.pi]
+    relative_azimuth, grazing_sine, grazing_tangent = sp.symbols("relative_azimuth grazing_sine grazing_tangent", positive=True)
+    put = {
+        sp.Max(0, sp.cos(phi)): relative_azimuth,
+        sp.sin(sp.Max(theta_o, theta_i)): grazing_sine,
+        sp.tan(sp.Min(theta_o, theta_i)): grazing_tangent,
+    }
+    return [it.equals.subs(put) - (level + rise * relative_azimuth * grazing_sine * grazing_tangent) / sp.pi]
 
 
 # --- kernels ----------------------------------------------------------------------------------------------------------
 
 ROUNDING = 1e-13  # of a sum of some 10^4 terms
-SMALL = 0.01  # of the radius up to which facets count: what changes within less hardly counts
-SPAN = 2.5  # logarithm of the radius that one piece of a ray extends over at most
-AGREE = 1e-6  # of a ray's integral, by which two rules may differ on a piece
+SMALL = 0.01  # of the radius up to which facets matter: changes within less are negligible
+SPAN = 2.5  # largest length of a piece of a ray, in the logarithm of the radius
+AGREE = 1e-6  # largest difference of two rules on a piece, relative to the integral along the ray
 SHORTEST, PIECES = 1e-3, 200
-NEVER = 1e-30  # slope over that of an edge on: less changes nothing
-ENDED, FARTHEST = 1e-10, 7.0  # a piece of so little of the integral ends a ray, beyond that logarithm of the radius
-ABSCISSAE, BY_KRONROD, BY_GAUSS = (tuple(map(float, part)) for part in (PLACES, KRONROD, GAUSS))
+NEVER = 1e-30  # lower bound of a slope relative to that of a facet seen edge-on; less has no effect
+ENDED, FARTHEST = 1e-10, 7.0  # beyond FARTHEST in the logarithm of the radius, a relative contribution of ENDED ends a ray
+KRONROD_ABSCISSAE, KRONROD_WEIGHTS, GAUSS_WEIGHTS = (tuple(map(float, part)) for part in (KRONROD_NODES, KRONROD, GAUSS))
 
 
 class MattParameters(NamedTuple):
-    """Those of distribution and masking; the slope scale, and its multiple beyond which hardly any slopes lie."""
+    """Parameters of distribution and masking; the slope scale, and its multiple beyond which hardly any slopes lie."""
 
     ndf: Any
     model: Any
@@ -164,8 +170,8 @@ class MattParameters(NamedTuple):
 
 
 class Ray(NamedTuple):
-    """Slopes along which light is summed, for a view and a light direction: how slopes change along it; the slope over that at
-    which a facet is edge on, for either direction; Lambda of both, and they."""
+    """A ray in slope space, for a view and a light direction. dx, dy: slopes per radius. lean_o, lean_i: slope towards each
+    direction, relative to that of a facet seen edge-on, per radius."""
 
     dx: float
     dy: float
@@ -179,39 +185,39 @@ class Ray(NamedTuple):
 
 @cache
 def light_rule(D: Callable[..., float], G2: Callable[..., float]) -> Callable[..., float]:
-    """What is integrated over unstretched slopes, at a radius along a ray."""
+    """The integrand over unstretched slopes, at a radius along a ray."""
 
     def light(r: float, ray: Ray, p: MattParameters) -> float:
-        shown, shone = 1.0 - r * ray.lean_o, 1.0 - r * ray.lean_i
-        if not (shown > 0.0 and shone > 0.0):
+        facing_o, facing_i = 1.0 - r * ray.lean_o, 1.0 - r * ray.lean_i
+        if not (facing_o > 0.0 and facing_i > 0.0):
             return 0.0
         x, y = r * ray.dx, r * ray.dy
         mz = 1.0 / sqrt(1.0 + x * x + y * y)
         wm = (-x * mz, -y * mz, mz)
-        om, im = mz * ray.wo[2] * shown, mz * ray.wi[2] * shone
-        both = G2(ray.Lambda_o, ray.Lambda_i, om, im, ray.wo, ray.wi, wm, p)
-        return both * shown * shone * mz * D(wm, p.ndf) * ((mz * mz) * (mz * mz))
+        om, im = mz * ray.wo[2] * facing_o, mz * ray.wi[2] * facing_i
+        visibility = G2(ray.Lambda_o, ray.Lambda_i, om, im, ray.wo, ray.wi, wm, p)
+        return visibility * facing_o * facing_i * mz * D(wm, p.ndf) * ((mz * mz) * (mz * mz))
 
     return light
 
 
 @cache
 def piece_rule(D: Callable[..., float], G2: Callable[..., float]) -> Callable[..., Pair]:
-    """The integral along a piece of a ray by Kronrod's rule, and how far Gauss's differs; in the radius if `even`, else in its
-    logarithm."""
+    """The integral along a piece of a ray by Kronrod's rule, and the difference from Gauss's; in the radius if `even`, else in
+    its logarithm."""
     light = light_rule(D, G2)
 
     def piece(start: float, stop: float, even: bool, ray: Ray, p: MattParameters) -> Pair:
         half, middle = 0.5 * (stop - start), 0.5 * (stop + start)
         fine, coarse = 0.0, 0.0
         for k in range(15):
-            at = middle + half * ABSCISSAE[k]
+            at = middle + half * KRONROD_ABSCISSAE[k]
             r = at if even else exp(at)
             value = half * r * light(r, ray, p)
             if not even:
                 value *= r
-            fine += BY_KRONROD[k] * value
-            coarse += BY_GAUSS[k] * value
+            fine += KRONROD_WEIGHTS[k] * value
+            coarse += GAUSS_WEIGHTS[k] * value
         return fine, abs(fine - coarse)
 
     return piece
@@ -229,16 +235,16 @@ def next_end(start: float, span: float, one: float, two: float, last: float) -> 
 def ray_rule(D: Callable[..., float], G2: Callable[..., float]) -> Callable[..., Pair]:
     """The integral along one ray per its angle, and its error.
 
-    The first piece is even in the radius, the others are in its logarithm. One ends where a ray leaves what is seen or lit, and
-    where a slope is as steep the other way, from which on V-cavities mask. Pieces are halved while both rules differ.
-    lean_o, lean_i: the slope along the ray over that at which a facet is seen edge on.
+    The variable of the first piece is the radius, that of the others its logarithm. Pieces end where the ray leaves the facets
+    that are visible or lit, and at the opposite slopes, from which on V-cavities mask. They are halved while both rules differ.
+    lean_o, lean_i: the slope along the ray relative to that of a facet seen edge-on.
     """
     piece = piece_rule(D, G2)
 
     def along(
-        turn: Pair, lean_o: float, lean_i: float, Lambda_o: float, Lambda_i: float, wo: Vector, wi: Vector, p: MattParameters
+        azimuth: Pair, lean_o: float, lean_i: float, Lambda_o: float, Lambda_i: float, wo: Vector, wi: Vector, p: MattParameters
     ) -> Pair:
-        dx, dy = p.scale_x * turn[0], p.scale_y * turn[1]
+        dx, dy = p.scale_x * azimuth[0], p.scale_y * azimuth[1]
         ray = Ray(dx, dy, lean_o, lean_i, Lambda_o, Lambda_i, wo, wi)
         steepest, backward = max(lean_o, lean_i), max(-lean_o, -lean_i)
         end = min(1.0 / steepest, p.reach) if steepest > 0.0 else p.reach
@@ -262,7 +268,7 @@ def ray_rule(D: Callable[..., float], G2: Callable[..., float]) -> Callable[...,
 
 @cache
 def ray_batch(D: Callable[..., float], G2: Callable[..., float]) -> Batch:
-    """Rays (n, 2), what they lean towards both directions, Lambda of these, and they: integrals and errors (n, 2)."""
+    """Rays (n, 2), their leans towards both directions, Lambda of both, and the directions: integrals and errors (n, 2)."""
     return Batch(ray_rule(D, G2), [2, 1, 1, 1, 1, 3, 3], 2)
 
 
@@ -273,30 +279,29 @@ def Lambda_batch(Lambda: Callable[..., float]) -> Batch:
 
 # --- all rays of a pair of directions ---------------------------------------------------------------------------------
 
-TOLERANCE = 3e-7  # of a value, to which panels are halved
+TOLERANCE = 3e-7  # relative error to which panels are refined
 ROUNDS, TOGETHER = 50, 256  # of halving; pairs at once
-NARROW, THIN = 1e-3, 1e-3  # angles beside an edge that still count; of the angle between both edges
-WIDE = 0.3  # if things change within a larger angle, one panel lies between two rays
-ALIKE = 1e-6  # two edges that differ by so little are one
-SAFETY = 5.0, 2.0  # of the differences of rules over the angle, where what changes is not where panels end, and along rays
+NARROW, THIN = 1e-3, 1e-3  # smallest relevant angle beside an edge: absolute, and relative to the angle between both edges
+WIDE = 0.3  # if the integrand changes within a larger angle, a single panel lies between two rays
+ALIKE = 1e-6  # relative difference below which two edges are one
+SAFETY = 5.0, 2.0  # factors of the estimated errors: of the rule over the angle, which may miss a kink, and of those along rays
 
 
 class Panels(NamedTuple):
-    """Of each panel its pair, the ray it begins at, what that leans towards both directions, how that changes, and the angle.
-
-    ray: (n, 2). lean, turned: (n, 2), of the ray and of the one at a right angle to it. The angle from the ray is `width`, with
-    a sign, times the hyperbolic sine of a coordinate from low to high.
+    """Panels over the azimuth of rays. pair: index of the pair of directions. ray: (n, 2), where the panel begins. lean,
+    lean_across: (n, 2), of the ray and of the one at a right angle to it, towards both directions. The angle from the ray is
+    `width`, with a sign, times the hyperbolic sine of a coordinate from low to high.
     """
 
     pair: np.ndarray
     ray: np.ndarray
     lean: np.ndarray
-    turned: np.ndarray
+    lean_across: np.ndarray
     width: np.ndarray
     low: np.ndarray
     high: np.ndarray
 
-    def taken(self, chosen: Any) -> Panels:
+    def subset(self, chosen: Any) -> Panels:
         return Panels(*(field[chosen] for field in self))
 
     def halves(self) -> Panels:
@@ -307,17 +312,17 @@ class Panels(NamedTuple):
     def rays(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Unit vectors and leans (n, 15, 2), and the angle per coordinate (n, 15)."""
         half = ((self.high - self.low) / 2)[:, None]
-        t = ((self.low + self.high) / 2)[:, None] + half * PLACES
-        turn = (self.width[:, None] * np.sinh(t))[..., None]
-        c, s = np.cos(turn), np.sin(turn)
+        t = ((self.low + self.high) / 2)[:, None] + half * KRONROD_NODES
+        angle = (self.width[:, None] * np.sinh(t))[..., None]
+        c, s = np.cos(angle), np.sin(angle)
         across = np.stack([-self.ray[:, 1], self.ray[:, 0]], axis=-1)
-        rays, leans = (c * a[:, None] + s * b[:, None] for a, b in ((self.ray, across), (self.lean, self.turned)))
+        rays, leans = (c * a[:, None] + s * b[:, None] for a, b in ((self.ray, across), (self.lean, self.lean_across)))
         return rays, leans, half * abs(self.width)[:, None] * np.cosh(t)
 
 
 def edges(o: np.ndarray, i: np.ndarray, scale: tuple[float, float]) -> tuple[np.ndarray, ...]:
-    """Of pairs (n, 3) what a slope leans towards each, its vectors q (n, 2, 2), their products (n, 2, 2), and their cross
-    product (n,), with more digits than both directions' are, which decide where both graze opposite to each other."""
+    """For pairs of directions (n, 3): the vectors q of their leans (n, 2, 2), their dot products (n, 2, 2), and their cross
+    product (n,), in extended precision, which matters where both directions graze from opposite sides."""
     q = np.stack([np.array(scale) * (w[:, :2] / w[:, 2:]) for w in (o, i)], axis=1)
     a, b = (w.astype(np.longdouble) for w in (o, i))
     cross = scale[0] * scale[1] * (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / (a[:, 2] * b[:, 2])
@@ -325,7 +330,7 @@ def edges(o: np.ndarray, i: np.ndarray, scale: tuple[float, float]) -> tuple[np.
 
 
 def first_panels(o: np.ndarray, i: np.ndarray, scale: tuple[float, float]) -> Panels:
-    """Panels between the rays along both edges, of what is seen and of what is lit, and that to the place where these cross.
+    """Panels between the rays along both edges, of visible and of lit facets, and the ray to the point where these cross.
 
     Each of these rays is at a right angle to a vector w = a q_o + b q_i.
     """
@@ -342,15 +347,15 @@ def first_panels(o: np.ndarray, i: np.ndarray, scale: tuple[float, float]) -> Pa
     ab = np.take_along_axis(ab, np.argsort(beta, axis=1)[..., None], axis=1)
     after = np.roll(ab, -1, axis=1)
     between = np.maximum(np.arctan2(_cross(ab, after, cross), _dot(ab, after, dots))[:, :2], 0)
-    apart = np.concatenate([between, np.pi - between.sum(axis=1, keepdims=True)], axis=1)
+    angles = np.concatenate([between, np.pi - between.sum(axis=1, keepdims=True)], axis=1)
     after[:, 2] *= -1
-    ab, after, apart = np.concatenate([ab, -ab], axis=1), np.concatenate([after, -after], axis=1), np.tile(apart, 2)
+    ab, after, angles = np.concatenate([ab, -ab], axis=1), np.concatenate([after, -after], axis=1), np.tile(angles, 2)
     largest = np.maximum(size.max(axis=1), 1e-300)
     opposite = np.arctan2(abs(cross), -dots[:, 0, 1])
     width = np.maximum(1 / largest, np.minimum(NARROW, THIN * opposite)).clip(1e-15, 1)
-    width = np.broadcast_to(width[:, None], apart.shape)
+    width = np.broadcast_to(width[:, None], angles.shape)
     wide = width > WIDE
-    rows = [(ab, apart, wide, 1.0), (ab, apart / 2, ~wide, 1.0), (after, apart / 2, ~wide, -1.0)]
+    rows = [(ab, angles, wide, 1.0), (ab, angles / 2, ~wide, 1.0), (after, angles / 2, ~wide, -1.0)]
     parts = [_panels(*row, width, q, dots, cross) for row in rows]
     return Panels(*(np.concatenate(fields) for fields in zip(*parts, strict=True)))
 
@@ -375,16 +380,16 @@ def _panels(
     length = np.hypot(*w.T)[:, None]
     ray = np.stack([-w[:, 1], w[:, 0]], axis=-1) / length
     lean = np.stack([-b * cross[pair], a * cross[pair]], axis=-1) / length
-    turned = -np.stack([a * dots[pair, 0, k] + b * dots[pair, 1, k] for k in (0, 1)], axis=-1) / length
+    lean_across = -np.stack([a * dots[pair, 0, k] + b * dots[pair, 1, k] for k in (0, 1)], axis=-1) / length
     width, far = width[pair, line], far[pair, line]
-    return Panels(pair, ray, lean, turned, sign * width, np.zeros(len(pair)), np.arcsinh(far / width))
+    return Panels(pair, ray, lean, lean_across, sign * width, np.zeros(len(pair)), np.arcsinh(far / width))
 
 
 # --- the model --------------------------------------------------------------------------------------------------------
 
-HEIGHTS, TURNS = 20, 32  # light directions over which an albedo is summed
-FEWER = ((14, 24), (17, 28))  # two coarser rules, since one may agree by chance
-HOPEFUL = 3.0  # times what they differ by: the error of any rule that gets better at least as its nodes get closer
+ALBEDO_COSINES, ALBEDO_AZIMUTHS = 20, 32  # light directions over which an albedo is summed
+COARSER_RULES = ((14, 24), (17, 28))  # two, since one may agree by chance
+SAFETY_OF_ALBEDO = 3.0  # factor from their difference to the error of any rule that converges at least linearly
 
 
 def gauss(count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -393,11 +398,11 @@ def gauss(count: int) -> tuple[np.ndarray, np.ndarray]:
     return (nodes + 1) / 2, weights / 2
 
 
-def light_directions(heights: int, turns: int) -> tuple[np.ndarray, np.ndarray]:
+def light_directions(cosines: int, azimuths: int) -> tuple[np.ndarray, np.ndarray]:
     """Directions (n, 3) and weights of a sum over the hemisphere with the cosine: even in azimuth, Gauss in the cosine."""
-    nodes, weights = gauss(heights)
-    z, azimuth = np.meshgrid(nodes, 2 * np.pi * (np.arange(turns) + 0.5) / turns, indexing="ij")
-    weight = np.repeat(weights * nodes, turns) * 2 * np.pi / turns
+    nodes, weights = gauss(cosines)
+    z, azimuth = np.meshgrid(nodes, 2 * np.pi * (np.arange(azimuths) + 0.5) / azimuths, indexing="ij")
+    weight = np.repeat(weights * nodes, azimuths) * 2 * np.pi / azimuths
     return spherical(np.arccos(z), azimuth).reshape(-1, 3), weight
 
 
@@ -483,13 +488,13 @@ class Diffuse(BRDF):
         dtype, shape = np.result_type(o, i), o.shape[:-1]
         o, i = (w.reshape(-1, 3).astype(np.float64) for w in (o, i))
         above = np.flatnonzero((o[:, 2] > 0) & (i[:, 2] > 0))
-        both = np.zeros((2, len(o)))
+        results = np.zeros((2, len(o)))
         for k in range(0, len(above), TOGETHER):
-            some = above[k : k + TOGETHER]
-            both[:, some] = self._over_rays(o[some], i[some])
-        both *= self.facet_albedo
-        both[1] += (ROUNDING + np.finfo(dtype).eps) * both[0]
-        value, error = both.astype(dtype).reshape(2, *shape)
+            chunk = above[k : k + TOGETHER]
+            results[:, chunk] = self._over_rays(o[chunk], i[chunk])
+        results *= self.facet_albedo
+        results[1] += (ROUNDING + np.finfo(dtype).eps) * results[0]
+        value, error = results.astype(dtype).reshape(2, *shape)
         return value[()], error[()]
 
     def sample(self, wo: ArrayLike, u: ArrayLike) -> NDArray[Any]:
@@ -502,19 +507,19 @@ class Diffuse(BRDF):
     def albedo_with_error(self, wo: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
         # By quadrature over the hemisphere; the error is from coarser rules, from the errors of the BRDF, and from rounding.
         views = as_vectors("wo", wo)
-        wide = views.astype(np.float64)
+        double = views.astype(np.float64)
         sums = []
-        for heights, turns in ((HEIGHTS, TURNS), *FEWER):
-            wi, weight = light_directions(heights, turns)
-            value, error = self.evaluate_with_error(wide[..., None, :], wi)
+        for cosines, azimuths in ((ALBEDO_COSINES, ALBEDO_AZIMUTHS), *COARSER_RULES):
+            wi, weight = light_directions(cosines, azimuths)
+            value, error = self.evaluate_with_error(double[..., None, :], wi)
             sums.append((value @ weight, error @ weight))
         (value, within), *fewer = sums
-        apart = np.maximum(*(abs(value - other) for other, _ in fewer))
-        bound = HOPEFUL * apart + within + (ROUNDING + np.finfo(views.dtype).eps) * value
+        difference = np.maximum(*(abs(value - other) for other, _ in fewer))
+        bound = SAFETY_OF_ALBEDO * difference + within + (ROUNDING + np.finfo(views.dtype).eps) * value
         return value.astype(views.dtype)[()], bound.astype(views.dtype)[()]
 
     def _over_rays(self, o: np.ndarray, i: np.ndarray) -> np.ndarray:
-        """Values and errors (2, n): panels are halved until these add up to the tolerance."""
+        """Values and errors (2, n): panels are halved until their errors add up to the tolerance."""
         count, scale = len(o), self.model.ndf.slope_scale
         Lambda = Lambda_batch(self.model.Lambda_kernel)
         known = [Lambda([w], self.model.parameters) for w in (o, i)]
@@ -526,20 +531,20 @@ class Diffuse(BRDF):
             split = (sums[1] > goal[panels.pair]) & (error > TOLERANCE * value)[panels.pair]
             if not split.any():
                 break
-            children = panels.taken(split).halves()
-            found = self._summed(children, o, i, known)
-            panels = Panels(*(np.concatenate(both) for both in zip(panels.taken(~split), children, strict=True)))
-            sums = np.concatenate([sums[:, ~split], found], axis=1)
-        value, apart, within = (np.bincount(panels.pair, part, count) for part in sums)
-        return scale[0] * scale[1] / np.pi * np.stack([value, SAFETY[0] * apart + SAFETY[1] * within])
+            children = panels.subset(split).halves()
+            child_sums = self._summed(children, o, i, known)
+            panels = Panels(*(np.concatenate(both) for both in zip(panels.subset(~split), children, strict=True)))
+            sums = np.concatenate([sums[:, ~split], child_sums], axis=1)
+        value, difference, within = (np.bincount(panels.pair, part, count) for part in sums)
+        return scale[0] * scale[1] / np.pi * np.stack([value, SAFETY[0] * difference + SAFETY[1] * within])
 
     def _summed(self, panels: Panels, o: np.ndarray, i: np.ndarray, known: list[Any]) -> np.ndarray:
-        """Of each panel its integral, the error of the rule over the angle, which halves may lessen, and that of the rays."""
-        rays, leans, turned = panels.rays()
+        """For each panel its integral, the error of the rule over the angle, which refinement reduces, and that of the rays."""
+        rays, leans, jacobian = panels.rays()
         pair = panels.pair[:, None]
         arrays = [rays, leans[..., 0], leans[..., 1], *(part[pair] for part in (*known, o, i))]
         parameters = MattParameters(*self.model.parameters, *self.model.ndf.slope_scale, self.model.ndf.reach)
-        values, errors = np.moveaxis(self._batch(arrays, parameters), -1, 0) * turned
+        values, errors = np.moveaxis(self._batch(arrays, parameters), -1, 0) * jacobian
         return np.stack([values @ KRONROD, abs(values @ (KRONROD - GAUSS)), errors @ KRONROD])
 
     def __repr__(self) -> str:

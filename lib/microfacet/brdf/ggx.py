@@ -1,5 +1,5 @@
 """The BRDF of GGX in Smith's model as one formula in the sum of both directions: neither the half vector's length nor a
-cosine is divided out, and roughness is inverted once for all turns, so that two divisions and two roots are left."""
+cosine is divided out, and roughness is inverted once for all rows, so that two divisions and two roots remain."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import sympy as sp
 
 from microfacet.geometry import ggx
 from microfacet.geometry.ggx import ROUGHNESS, lobe
-from microfacet.notation import Lambda_i, Lambda_o, a, alpha_x, alpha_y, chi, mu_i, mu_o, raw, wi, wm, wo
+from microfacet.notation import Lambda_i, Lambda_o, a, alpha_x, alpha_y, chi, mu_i, mu_o, printed_symbol, wi, wm, wo
 from microfacet.statement import Equation
 from microfacet.visibility import shadowing
 
 x_h, y_h, z_h = sp.symbols("x_h y_h z_h", real=True)  # the sum of both directions
-reach_o, reach_i = raw("reach_o", "r_o", positive=True), raw("reach_i", "r_i", positive=True)
+reach_o, reach_i = printed_symbol("reach_o", "r_o", positive=True), printed_symbol("reach_i", "r_i", positive=True)
 
 
 def _reach(direction: Any) -> sp.Expr:
@@ -56,7 +56,7 @@ def _steps(it: Equation) -> list[Any]:
 joined = Equation(
     key="brdf.specular.ggx",
     title="the BRDF of GGX for F = 1, height-correlated, in one fraction",
-    symbol=raw("rho_ggx", r"\rho(\omega_o, \omega_i)"),
+    symbol=printed_symbol("rho_ggx", r"\rho(\omega_o, \omega_i)"),
     equals=_PRINTED,
     computed_as=_PRINTED.subs({**_SUM, **_REACHES}),
     rewrite_proof=list,

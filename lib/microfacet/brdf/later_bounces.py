@@ -1,8 +1,8 @@
-"""Where walks that go on after their first bounce meet their second facet: drawn with the chance to go on, and no others.
+"""Samples of second facets of random walks, for walks that continue after their first bounce only.
 
-On smooth surfaces hardly any walk goes on, and a sample of all of them would hold none. Of those that do, the height of the
-second facet has a closed form; the direction is drawn from all that facets seen from wo may give, evenly in small parts of
-them each of which has its share of the walks that go on. heitz2016, dupuy2023.
+On smooth surfaces hardly any walk continues, so that a sample of all walks would hold none of these. The height of their second
+facet has a closed form. The direction is drawn by stratified sampling over all reflections off visible facets, with a number of
+walks per stratum in proportion to its contribution. heitz2016, dupuy2023.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from microfacet.visibility.smith import Smith
 
 Array = NDArray[np.float64]
 RINGS, SECTORS = 64, 16  # parts of the cap of mirror directions
-TRIALS = 24  # in each part, to find its share
-EVERYWHERE = 0.2  # of the walks are spread over all parts, whatever the trials say
+TRIALS = 24  # in each stratum, to estimate its contribution
+UNIFORM_FRACTION = 0.2  # of the walks are spread evenly over all strata
 
 
 class Onward(NamedTuple):
-    """Rays (n, 3) that were mirrored once and meet a facet again; its height (n,), as the share of the surface that is lower;
-    the cosine (n,) at the first facet; and weights (n,), whose mean is the chance to go on."""
+    """Rays (n, 3) after their first bounce that meet a second facet; its height (n,), as the fraction of the surface that is
+    lower; the cosine (n,) at the first facet; and weights (n,), whose mean is the probability to continue."""
 
     direction: Array
     height: Array
@@ -44,23 +44,25 @@ class SecondFacets:
         self.above = float(self._hidden(self.wo[None])[0])
         cell = np.repeat(np.arange(RINGS * SECTORS), TRIALS)
         onward = self._mirrored(cell, np.random.default_rng(0).random((2, cell.size)))[2]
-        share = np.sqrt((onward.reshape(-1, TRIALS) ** 2).mean(axis=1))
-        even = np.full(share.size, 1 / share.size)
-        self.share = EVERYWHERE * even + (1 - EVERYWHERE) * (share / share.sum() if share.sum() > 0 else even)
+        fraction = np.sqrt((onward.reshape(-1, TRIALS) ** 2).mean(axis=1))
+        uniform = np.full(fraction.size, 1 / fraction.size)
+        self.fraction = UNIFORM_FRACTION * uniform + (1 - UNIFORM_FRACTION) * (
+            fraction / fraction.sum() if fraction.sum() > 0 else uniform
+        )
 
     def draw(self, count: int, rng: np.random.Generator) -> Onward:
-        """So many rays, each part with as many as its share to the nearest whole number."""
-        ends = np.cumsum(self.share)
+        """A number of rays, distributed over the strata by their fractions, each rounded to a whole number."""
+        ends = np.cumsum(self.fraction)
         cell = np.searchsorted(ends / ends[-1], (np.arange(count) + rng.random()) / count, "right")
         direction, cosine, onward = self._mirrored(cell, rng.random((2, count)))
         first, second = 1 - rng.random((2, count))
         height = first ** (1 / (1 + self.above))
         down = direction[:, 2] <= 0
         height[down] *= second[down] ** (1 / (1 + self._hidden(direction[down])))
-        return Onward(direction, height, cosine, onward / (self.share[cell] * self.share.size))
+        return Onward(direction, height, cosine, onward / (self.fraction[cell] * self.fraction.size))
 
     def _mirrored(self, cell: NDArray[np.int64], u: Array) -> tuple[Array, Array, Array]:
-        """Directions and cosines at places of the cells, and the chance to go on from there, times what a cell has of the cap.
+        """Directions and cosines at points of the cells, and the probability to continue there, times the measure of a cell.
 
         The rings grow in equal ratios away from the steepest facets.
         """
@@ -71,37 +73,37 @@ class SecondFacets:
         cosine = np.maximum(wm @ self.wo, 0.0)
         wi = 2 * cosine[:, None] * wm - self.wo
         wi /= np.linalg.norm(wi, axis=1, keepdims=True)
-        return wi, cosine, self._seen(wm) * self._onward(wi) * (steep + self.steep) * span
+        return wi, cosine, self._density_over_ggx(wm) * self._chance_to_continue(wi) * (steep + self.steep) * span
 
-    def _normals(self, turn: Array, steep: Array) -> Array:
-        """Normals of GGX that the view sees, for even numbers: its last is kept as its distance from 1. dupuy2023."""
+    def _normals(self, u1: Array, steep: Array) -> Array:
+        """Visible normals of GGX for two uniform numbers, the second given as its distance from 1. dupuy2023."""
         alpha = alpha_of(self.model.ndf)
         ox, oy, oz = map(float, self.wo)
         x, y, z = unstretched((ox, oy, oz), Alphas(*alpha))
         above = steep * (1 + z)
         radius = np.sqrt((above + (x * x + y * y) / (1 + z)) * ((1 - steep) * (1 + z)))
-        angle = 2 * np.pi * turn
+        angle = 2 * np.pi * u1
         wm = np.stack([alpha[0] * (radius * np.cos(angle) + x), alpha[1] * (radius * np.sin(angle) + y), above], axis=-1)
         normals: Array = wm / np.linalg.norm(wm, axis=1, keepdims=True)
         return normals
 
-    def _seen(self, wm: Array) -> Array:
-        """How much more often the view sees these normals than it would those of GGX of the same roughness."""
+    def _density_over_ggx(self, wm: Array) -> Array:
+        """The density of visible normals relative to that of GGX of the same roughness."""
         if type(self.model.ndf).kernel is GGX.kernel:
             return np.ones(len(wm))
         ggx = Smith(GGX(*alpha_of(self.model.ndf))).D_visible(self.wo, wm)
-        seen = self.model.D_visible(self.wo, wm)
-        more: Array = np.divide(seen, ggx, out=np.zeros(len(wm)), where=ggx > 0)
-        return more
+        visible = self.model.D_visible(self.wo, wm)
+        ratio: Array = np.divide(visible, ggx, out=np.zeros(len(wm)), where=ggx > 0)
+        return ratio
 
-    def _onward(self, wi: Array) -> Array:
-        """The chance of a ray mirrored once to meet a facet again: 1 on its way down, Lambda_i/(1 + Lambda_o + Lambda_i) up."""
+    def _chance_to_continue(self, wi: Array) -> Array:
+        """The probability that a ray meets a second facet: 1 on its way down, Lambda_i/(1 + Lambda_o + Lambda_i) up."""
         hidden = self._hidden(wi)
-        on: Array = np.where(wi[:, 2] > 0, hidden / (1 + self.above + hidden), 1.0)
-        return on
+        chance: Array = np.where(wi[:, 2] > 0, hidden / (1 + self.above + hidden), 1.0)
+        return chance
 
     def _hidden(self, wi: Array) -> Array:
-        """Lambda of a direction or of its opposite, and of none nearer to the horizon than a float can be."""
-        up = np.column_stack([wi[:, :2], np.maximum(abs(wi[:, 2]), 1e-150)])
-        hidden: Array = self.model.Lambda(up)
+        """Lambda of a direction or of its opposite, whichever is above the horizon; the height is bounded away from 0."""
+        upward = np.column_stack([wi[:, :2], np.maximum(abs(wi[:, 2]), 1e-150)])
+        hidden: Array = self.model.Lambda(upward)
         return hidden

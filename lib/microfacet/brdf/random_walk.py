@@ -2,7 +2,7 @@
 
 A ray at a height meets facets at the rate that Smith's Lambda gives, of those that face it, and is mirrored by one of
 them, until it leaves. The first bounce is the height-correlated BRDF; all of them lose nothing but what facets keep.
-Heights are given by u, the share of the surface that lies lower, so that their distribution drops out. heitz2016.
+Heights are given by u, the fraction of the surface that lies lower, so that their distribution drops out. heitz2016.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from microfacet.geometry.facets import ggx_facet
 from microfacet.geometry.ggx import GGX
 from microfacet.kernels import Batch, Count, Pair, Vector
 from microfacet.material.fresnel import Fresnel, Mirror
-from microfacet.notation import F, Lambda_i, Lambda_o, a, chi, om, raw, u, v
+from microfacet.notation import F, Lambda_i, Lambda_o, a, chi, om, printed_symbol, u, v
 from microfacet.statement import Equation
 from microfacet.streams import drawn, stream
 from microfacet.visibility import shadowing
@@ -36,10 +36,12 @@ from microfacet.visibility.smith import Smith, survival
 
 # --- statements ---------------------------------------------------------------------------------------------------
 
-reached = raw("u_reached", r"u'", positive=True)
-chance = raw("xi", r"\xi", positive=True)
-shown = raw("A_shown", r"A^{\pm}", positive=True)  # projected area of the facets turned to a ray, from above or below
-HEIGHTS = [(0.5, 0.25, 0.3), (1.0, 1e-3, 0.0), (0.1, 0.09, 40.0)]  # u, u', Lambda
+reached = printed_symbol("u_reached", r"u'", positive=True)
+chance = printed_symbol("xi", r"\xi", positive=True)
+visible_area = printed_symbol(
+    "A_shown", r"A^{\pm}", positive=True
+)  # projected area of the facets turned to a ray, from above or below
+HEIGHT_POINTS = [(0.5, 0.25, 0.3), (1.0, 1e-3, 0.0), (0.1, 0.09, 40.0)]  # u, u', Lambda
 
 
 def _free_steps(it: Equation, passed: Equation) -> list[Any]:
@@ -59,12 +61,12 @@ with sp.evaluate(False):
     down = Equation(
         key="brdf.walk.down",
         title="the chance that a ray on its way down passes from one height to another",
-        symbol=raw("passes_down", r"s_{-}(u, u')"),
+        symbol=printed_symbol("passes_down", r"s_{-}(u, u')"),
         means=sp.exp(-sp.Integral((1 + Lambda_o) / v, (v, reached, u))),
         equals=(reached / u) ** (1 + Lambda_o),
         over={u: (0.01, 1), reached: (0.01, 1), Lambda_o: (0, 10)},
         within=(32, 32),
-        enclosed=lambda it: balls.agreement(it.means, it.equals, (u, reached, Lambda_o), HEIGHTS),
+        enclosed=lambda it: balls.agreement(it.means, it.equals, (u, reached, Lambda_o), HEIGHT_POINTS),
         slides=(73, 74, 75),
         cite="heitz2016",
         note="A ray down meets the facets turned up to it, one going up those turned away from its origin. "
@@ -73,12 +75,12 @@ with sp.evaluate(False):
     up = Equation(
         key="brdf.walk.up",
         title="the chance that a ray on its way up passes from one height to another",
-        symbol=raw("passes_up", r"s_{+}(u, u')"),
+        symbol=printed_symbol("passes_up", r"s_{+}(u, u')"),
         means=sp.exp(-sp.Integral(Lambda_o / v, (v, u, reached))),
         equals=(u / reached) ** Lambda_o,
         over={u: (0.01, 1), reached: (0.01, 1), Lambda_o: (0, 10)},
         within=(16, 16),
-        enclosed=lambda it: balls.agreement(it.means, it.equals, (u, reached, Lambda_o), HEIGHTS),
+        enclosed=lambda it: balls.agreement(it.means, it.equals, (u, reached, Lambda_o), HEIGHT_POINTS),
         slides=(73, 74, 75),
         cite="heitz2016",
         note="At u' = 1 the ray has left, and this is the chance that the facet is seen. "
@@ -109,7 +111,7 @@ with sp.evaluate(False):
     first = Equation(
         key="brdf.walk.first",
         title="of the light that was mirrored once, so much leaves",
-        symbol=raw("leaves_first", r"\frac{G_2(\omega_o, \omega_i, \omega_m)}{G_1(\omega_o, \omega_m)}"),
+        symbol=printed_symbol("leaves_first", r"\frac{G_2(\omega_o, \omega_i, \omega_m)}{G_1(\omega_o, \omega_m)}"),
         means=sp.Integral((1 + Lambda_o) * u**Lambda_o * u**Lambda_i, (u, 0, 1)),
         equals=(1 + Lambda_o) / (1 + Lambda_o + Lambda_i),
         over={Lambda_o: (0, 100), Lambda_i: (0, 100)},
@@ -122,10 +124,10 @@ with sp.evaluate(False):
     phase = Equation(
         key="brdf.walk.phase",
         title="density of the directions into which a ray is mirrored",
-        symbol=raw("p_mirrored", r"p_{\omega_o}(\omega_i)"),
-        means=F * om * D_h / (4 * shown * om),
-        equals=F * D_h / (4 * shown),
-        over={F: (0.01, 1), D_h: (1e-6, 1e6), shown: (1e-8, 1), om: (1e-8, 1)},
+        symbol=printed_symbol("p_mirrored", r"p_{\omega_o}(\omega_i)"),
+        means=F * om * D_h / (4 * visible_area * om),
+        equals=F * D_h / (4 * visible_area),
+        over={F: (0.01, 1), D_h: (1e-6, 1e6), visible_area: (1e-8, 1), om: (1e-8, 1)},
         proved_by="sympy: the density of facets met, times what a solid angle of normals is per one of light",
         slides=(73, 74, 75),
         cite="heitz2016",
@@ -134,7 +136,7 @@ with sp.evaluate(False):
     cap = Equation(
         key="brdf.walk.cap",
         title="the same for GGX of alpha = 1 and a ray that comes from below: evenly over a cap",
-        symbol=raw("p_cap", r"p_{\omega_o}(\omega_i)"),
+        symbol=printed_symbol("p_cap", r"p_{\omega_o}(\omega_i)"),
         means=1 / (2 * sp.pi * mu * (-1 + sp.sqrt(1 + (1 - mu**2) / mu**2))),
         equals=1 / (2 * sp.pi * (1 - mu)),
         over={mu: (0.01, 0.9)},
@@ -149,7 +151,7 @@ with sp.evaluate(False):
 def _cap_steps(it: Equation) -> list[Any]:
     """Of perfect mirrors, D = 1/pi on the upper hemisphere; other roughnesses are this one stretched."""
     lam = ggx.Lambda.equals.doit().subs(a, mu / sp.sqrt(1 - mu**2))
-    turned_away = phase.equals.doit().subs({F: 1, D_h: 1 / sp.pi, shown: mu * lam})
+    turned_away = phase.equals.doit().subs({F: 1, D_h: 1 / sp.pi, visible_area: mu * lam})
     area = sp.integrate(2 * sp.pi, (sp.Symbol("z"), mu, 1))
     return [
         sp.simplify(turned_away - it.equals.doit()),
@@ -283,9 +285,9 @@ def connecting(D: Callable[..., float], Lambda: Callable[..., float], fresnel: C
 def going_on(
     D: Callable[..., float], Lambda: Callable[..., float], facet: Callable[..., Any], fresnel: Callable[..., float]
 ) -> Callable[..., float]:
-    """What a walk from wo that goes on after the first bounce sends to wi from all later facets.
+    """The contribution to wi of all later facets of a walk from wo that continues after its first bounce.
 
-    It counts as much as its chance to go on.
+    It is weighted by the probability to continue.
     """
     height, sends, first_facet = next_height(Lambda), connecting(D, Lambda, fresnel), steeper(D, Lambda)
 
@@ -382,7 +384,7 @@ class Bounces(NamedTuple):
 
 class Later(NamedTuple):
     """Walks that went on after the first bounce: where they left (n, 3), 0 if they are still under way; what was left of their
-    light (n,); their bounces (n,); and how much each counts (n,), the mean of which is the share of all walks that go on."""
+    light (n,); their bounces (n,); and their weights (n,), whose mean is the fraction of all walks that continue."""
 
     wi: Any
     weight: Any
@@ -390,9 +392,9 @@ class Later(NamedTuple):
     counts: Any
 
     def light(self, lossless: bool) -> tuple[float, float, float]:
-        """The share of their light that left, how far that is off at most, and the share that is still under way.
+        """The fraction of their light that left, a bound of its error, and the fraction that is still under way.
 
-        lossless: whether facets keep nothing, so that whatever is not under way has left. Else the share is a quotient of two
+        lossless: whether facets absorb nothing, so that all light that is not under way has left. Else it is a quotient of two
         means, and its error that of what each walk adds to it.
         """
         total = self.counts.sum()
@@ -482,11 +484,11 @@ class RandomWalk(BRDF):
         1.0 True
         """
         wo, u = as_vectors("wo", wo), as_uniform("u", u)
-        found = self._walked(wo, u)
-        left = found[..., 2] > 0
+        walked = self._walked(wo, u)
+        left = walked[..., 2] > 0
         real = np.float32 if wo.dtype == u.dtype == np.float32 else np.float64
-        wi, weight = np.where(left[..., None], found[..., :3], 0.0), np.where(left, found[..., 3], 0.0)
-        return Walks(wi.astype(real), weight.astype(real), found[..., 4].astype(np.int64))
+        wi, weight = np.where(left[..., None], walked[..., :3], 0.0), np.where(left, walked[..., 3], 0.0)
+        return Walks(wi.astype(real), weight.astype(real), walked[..., 4].astype(np.int64))
 
     def sample(self, wo: ArrayLike, u: ArrayLike) -> NDArray[Any]:
         return self.walk(wo, u).wi
@@ -563,9 +565,9 @@ class RandomWalk(BRDF):
         True
         """
         once = self.single.evaluate(wo, wi)
-        found, count = self._connected(wo, wi, walks, seed), whole("walks", walks, 2)
-        error = mean_bound(_scatter(found, count)[..., 1] ** 2 * count, found[..., 4], count)
-        return Estimate(once + found[..., 1].astype(once.dtype), error.astype(once.dtype))
+        sums, count = self._connected(wo, wi, walks, seed), whole("walks", walks, 2)
+        error = mean_bound(_scatter(sums, count)[..., 1] ** 2 * count, sums[..., 4], count)
+        return Estimate(once + sums[..., 1].astype(once.dtype), error.astype(once.dtype))
 
     def pdf(self, wo: ArrayLike, wi: ArrayLike, walks: int = 256, seed: int = 0) -> NDArray[Any]:
         """Density of the light directions that `sample` draws, in 1/sr; an estimate.
@@ -637,8 +639,8 @@ class RandomWalk(BRDF):
         True
         """
         mirrors = self if isinstance(self.fresnel, Mirror) else RandomWalk(self.model)
-        found, cosine = mirrors.evaluate_with_error(wo, wi, walks, seed), np.maximum(as_vectors("wi", wi)[..., 2], 0)
-        return Estimate(found.value * cosine, found.error * cosine)
+        estimate, cosine = mirrors.evaluate_with_error(wo, wi, walks, seed), np.maximum(as_vectors("wi", wi)[..., 2], 0)
+        return Estimate(estimate.value * cosine, estimate.error * cosine)
 
     def connections(self, wo: ArrayLike, wi: ArrayLike, walks: int = 256, seed: int = 0) -> tuple[Estimate, Estimate]:
         """First bounce and later ones apart, both as means over walks.
@@ -674,22 +676,22 @@ class RandomWalk(BRDF):
         >>> bool(first.value > later.value)
         False
         """
-        found = self._connected(wo, wi, walks, seed)
-        error = _scatter(found, whole("walks", walks, 2))
-        return Estimate(found[..., 0], error[..., 0]), Estimate(found[..., 1], error[..., 1])
+        sums = self._connected(wo, wi, walks, seed)
+        error = _scatter(sums, whole("walks", walks, 2))
+        return Estimate(sums[..., 0], error[..., 0]), Estimate(sums[..., 1], error[..., 1])
 
     def _connected(self, wo: Any, wi: Any, walks: int, seed: int) -> Any:
         wo, wi, count = as_vectors("wo", wo), as_vectors("wi", wi), whole("walks", walks, 2)
         shape = np.broadcast_shapes(wo.shape[:-1], wi.shape[:-1])
         u = np.random.default_rng(whole("seed", seed, 0)).random((*shape, 2))
         rule = connections(type(self.model.ndf).kernel, *self._kernels)
-        arrays, found = [wo.astype(float), wi.astype(float), u], np.zeros((*shape, 5))
+        arrays, sums = [wo.astype(float), wi.astype(float), u], np.zeros((*shape, 5))
         for start in range(0, count, IN_A_ROW):
             walks_made = Count(start), Count(min(start + IN_A_ROW, count))
             part = rule(arrays, WalkParameters(*self.parameters, *walks_made))
-            found[..., :4] += part[..., :4]
-            found[..., 4] = np.maximum(found[..., 4], part[..., 4])
-        return found / [count, count, count, count, 1]
+            sums[..., :4] += part[..., :4]
+            sums[..., 4] = np.maximum(sums[..., 4], part[..., 4])
+        return sums / [count, count, count, count, 1]
 
     def albedo(self, wo: ArrayLike, walks: int = 65536, seed: int = 0) -> NDArray[Any]:
         """Directional albedo: the fraction of the light from wo that is reflected; an estimate.
@@ -725,7 +727,7 @@ class RandomWalk(BRDF):
     def albedo_with_error(self, wo: ArrayLike, walks: int = 65536, seed: int = 0) -> Estimate:
         """Directional albedo, and a bound of its error.
 
-        The first bounce is by quadrature, later ones by walks, all of which go on after the first bounce.
+        The first bounce is by quadrature, later ones by walks that all continue after it.
 
         Parameters
         ----------
@@ -760,11 +762,11 @@ class RandomWalk(BRDF):
         wo, count, seed = as_vectors("wo", wo).astype(float), whole("walks", walks, 2), whole("seed", seed, 0)
         once, error = self.single.albedo_with_error(wo)
         on, on_error = self.going_on(wo)
-        found, lossless = np.zeros((3, *wo.shape[:-1])), isinstance(self.fresnel, Mirror)
+        later_light, lossless = np.zeros((3, *wo.shape[:-1])), isinstance(self.fresnel, Mirror)
         for at in np.ndindex(wo.shape[:-1]):
             if wo[(*at, 2)] > 0:
-                found[(slice(None), *at)] = self.later(wo[at], count, seed).light(lossless)
-        return Estimate(once + on * found[0], error + on_error + on * np.minimum(found[1] + found[2], 1))
+                later_light[(slice(None), *at)] = self.later(wo[at], count, seed).light(lossless)
+        return Estimate(once + on * later_light[0], error + on_error + on * np.minimum(later_light[1] + later_light[2], 1))
 
     def going_on(self, wo: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
         """Fraction of the walks that meet a second microfacet, and a bound of its error.
@@ -827,8 +829,10 @@ class RandomWalk(BRDF):
         """
         rng = np.random.default_rng(seed)
         start = SecondFacets(self.model, as_vectors("wo", wo).astype(float)).draw(whole("walks", walks, 1), rng)
-        found = onward(*self._kernels)([start.direction, start.height, rng.random((walks, 2))], self.parameters)
-        return Later(found[:, :3], self.fresnel.F(start.cosine) * found[:, 3], found[:, 4].astype(np.int64) + 1, start.weight)
+        walked = onward(*self._kernels)([start.direction, start.height, rng.random((walks, 2))], self.parameters)
+        return Later(
+            walked[:, :3], self.fresnel.F(start.cosine) * walked[:, 3], walked[:, 4].astype(np.int64) + 1, start.weight
+        )
 
     def albedo_by_bounce(self, wo: ArrayLike, walks: int = 65536, seed: int = 0, orders: int = 6) -> Bounces:
         """Fractions of the light that leaves after one bounce, two, and so on.
@@ -875,15 +879,15 @@ class RandomWalk(BRDF):
         step = max(1, AT_ONCE // max(len(rows), 1))
         for block, start in enumerate(range(0, count, step)):
             u = np.random.default_rng([seed, block]).random((len(rows), min(step, count - start), 2))
-            found = self._walked(rows[:, None], u)
-            order = np.minimum(found[..., 4].astype(np.int64), orders + 1)
-            order[found[..., 4] >= LONGEST] = orders + 2
+            walked = self._walked(rows[:, None], u)
+            order = np.minimum(walked[..., 4].astype(np.int64), orders + 1)
+            order[walked[..., 4] >= LONGEST] = orders + 2
             for row in range(len(rows)):
                 for power in (1, 2):
-                    sums[power - 1, row] += np.bincount(order[row], found[row, :, 3] ** power, orders + 3)
-        both = sums.reshape(2, *wo.shape[:-1], orders + 3)
+                    sums[power - 1, row] += np.bincount(order[row], walked[row, :, 3] ** power, orders + 3)
+        by_order = sums.reshape(2, *wo.shape[:-1], orders + 3)
         one, two = slice(1, orders + 1), slice(orders + 1, orders + 3)
-        return (both[0][..., one], both[1][..., one]), (both[0][..., two], both[1][..., two])
+        return (by_order[0][..., one], by_order[1][..., one]), (by_order[0][..., two], by_order[1][..., two])
 
     def _walked(self, wo: Any, u: Any) -> Any:
         return walk(*self._kernels)([wo.astype(float), u.astype(float)], self.parameters)
@@ -892,9 +896,9 @@ class RandomWalk(BRDF):
         return f"RandomWalk({self.model!r}, {self.fresnel!r})"
 
 
-def _scatter(found: Any, walks: int) -> Any:
+def _scatter(means: Any, walks: int) -> Any:
     """Standard errors of the means over walks that `connections` gives, from those of squares, (..., 2)."""
-    return np.sqrt(np.maximum(found[..., 2:4] - found[..., :2] ** 2, 0) / (walks - 1))
+    return np.sqrt(np.maximum(means[..., 2:4] - means[..., :2] ** 2, 0) / (walks - 1))
 
 
 def _mean(total: Any, squares: Any, walks: int) -> tuple[Any, Any]:

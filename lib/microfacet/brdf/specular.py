@@ -12,7 +12,7 @@ import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
 from microfacet import balls
-from microfacet.brdf.albedo import Reflected, reflected_share
+from microfacet.brdf.albedo import Reflected, reflected_fraction
 from microfacet.brdf.base import BRDF
 from microfacet.directions import as_vectors, uniform, vectors
 from microfacet.geometry.slopes import drawn_from, excess_over_drawn
@@ -20,7 +20,7 @@ from microfacet.geometry.visible_normals import HORIZON
 from microfacet.kernels import Batch, ByPrecision, Pair, Parameters, Vector
 from microfacet.material.fresnel import Fresnel, Mirror
 from microfacet.material.reflection import half_vector, i_vector, o_vector, reflected, weak_furnace
-from microfacet.notation import G1, D, F, Lambda_i, Lambda_o, im, mu_i, mu_o, om, raw
+from microfacet.notation import G1, D, F, Lambda_i, Lambda_o, im, mu_i, mu_o, om, printed_symbol
 from microfacet.parameters import Parametric, together
 from microfacet.proofs import under_integral
 from microfacet.statement import Equation
@@ -28,11 +28,11 @@ from microfacet.visibility import shadowing, unphysical, v_cavity
 from microfacet.visibility.masking import Masking, ModelParameters, dot, over_pairs
 from microfacet.visibility.smith import Smith
 
-G1_h = raw("G1_h", r"G_1(\omega_o, \omega_h)", positive=True)
-G2_h = raw("G2_h", r"G_2(\omega_o, \omega_i, \omega_h)", nonnegative=True)
-D_h = raw("D_h", r"D(\omega_h)", nonnegative=True)
-p_i = raw("p_light", r"p_{\omega_o}(\omega_i)", nonnegative=True)
-rho_io = raw("rho_io", r"\rho(\omega_i, \omega_o)")
+G1_h = printed_symbol("G1_h", r"G_1(\omega_o, \omega_h)", positive=True)
+G2_h = printed_symbol("G2_h", r"G_2(\omega_o, \omega_i, \omega_h)", nonnegative=True)
+D_h = printed_symbol("D_h", r"D(\omega_h)", nonnegative=True)
+p_i = printed_symbol("p_light", r"p_{\omega_o}(\omega_i)", nonnegative=True)
+rho_io = printed_symbol("rho_io", r"\rho(\omega_i, \omega_o)")
 mu = sp.Symbol("mu", positive=True)
 EDGE = sp.Rational(1, 10**15)  # of a cosine, below which an integrand is bounded in place of evaluated
 
@@ -42,7 +42,7 @@ with sp.evaluate(False):
     complete = Equation(
         key="brdf.specular.rho",
         title="the microfacet BRDF of Cook and Torrance",
-        symbol=raw("rho", r"\rho(\omega_o, \omega_i)"),
+        symbol=printed_symbol("rho", r"\rho(\omega_o, \omega_i)"),
         means=F * (G2_h / G1_h) * p_i / mu_i,
         equals=F * G2_h * D_h / (4 * mu_o * mu_i),
         where={p_i: G1_h * D_h / (4 * mu_o)},
@@ -54,7 +54,7 @@ with sp.evaluate(False):
     weight = Equation(
         key="brdf.specular.weight",
         title="what a light direction from a visible normal weighs",
-        symbol=raw("weight", r"\frac{\rho(\omega_o, \omega_i) \cos\theta_i}{p_{\omega_o}(\omega_i)}"),
+        symbol=printed_symbol("weight", r"\frac{\rho(\omega_o, \omega_i) \cos\theta_i}{p_{\omega_o}(\omega_i)}"),
         equals=F * G2_h / G1_h,
         proof=lambda it: [complete.equals.doit() * mu_i / reflected.equals.doit().subs({G1: G1_h, D: D_h}) - it.equals],
         proved_by="sympy: BRDF and density put in",
@@ -65,7 +65,7 @@ with sp.evaluate(False):
     positivity = Equation(
         key="brdf.specular.positivity",
         title="a BRDF is never negative",
-        symbol=raw("rho_positive", r"\rho(\omega_o, \omega_i)"),
+        symbol=printed_symbol("rho_positive", r"\rho(\omega_o, \omega_i)"),
         equals=sp.Integer(0),
         relation=r"\ge",
         proof=lambda it: [sp.Integer(0 if complete.equals.doit().is_nonnegative else 1), it.equals],
@@ -76,7 +76,7 @@ with sp.evaluate(False):
     reciprocity = Equation(
         key="brdf.specular.reciprocity",
         title="light and viewer may change places",
-        symbol=raw("rho_oi", r"\rho(\omega_o, \omega_i)"),
+        symbol=printed_symbol("rho_oi", r"\rho(\omega_o, \omega_i)"),
         equals=rho_io,
         proof=lambda it: [*_reciprocity_steps(), it.equals - rho_io],
         proved_by="sympy: the half vector, F and D do not change, and neither does any G2 of this report",
@@ -86,7 +86,7 @@ with sp.evaluate(False):
     energy = Equation(
         key="brdf.specular.energy",
         title="no more light leaves than arrives",
-        symbol=raw("albedo", r"\int_{\Omega} \rho(\omega_o, \omega_i) \cos \theta_i \, d\omega_i"),
+        symbol=printed_symbol("albedo", r"\int_{\Omega} \rho(\omega_o, \omega_i) \cos \theta_i \, d\omega_i"),
         equals=sp.Integer(1),
         relation=r"\le",
         proof=lambda it: [*_energy_steps(), it.equals - weak_furnace.equals],
@@ -98,7 +98,7 @@ with sp.evaluate(False):
     anchor = Equation(
         key="brdf.specular.anchor",
         title="albedo of GGX at alpha = 1, height-correlated, F = 1",
-        symbol=raw("E_anchor", r"E(\theta_o)"),
+        symbol=printed_symbol("E_anchor", r"E(\theta_o)"),
         means=sp.Integral(mu / (mu + mu_o), (mu, 0, 1)),
         equals=1 - mu_o * sp.log(1 + 1 / mu_o),
         enclosed=lambda it: balls.agreement(it.means, it.equals, (mu_o,), [(1e-6,), (0.1,), (1.0,)]),
@@ -113,7 +113,7 @@ with sp.evaluate(False):
     average = Equation(
         key="brdf.specular.anchor_average",
         title="the same, averaged over all light",
-        symbol=raw("E_average", r"2 \int_{0}^{1} E(\theta_o) \cos\theta_o \, d\cos\theta_o"),
+        symbol=printed_symbol("E_average", r"2 \int_{0}^{1} E(\theta_o) \cos\theta_o \, d\cos\theta_o"),
         means=sp.Integral(2 * mu_o * (1 - mu_o * sp.log(1 + 1 / mu_o)), (mu_o, 0, 1)),
         equals=sp.Rational(4, 3) * (1 - sp.log(2)),
         enclosed=lambda it: balls.agreement(_average_from(it, EDGE), it.equals, (), [()]),
@@ -599,7 +599,7 @@ class Microfacet(Parametric, BRDF):
     def reflected(self) -> Reflected:
         """`albedo_with_error` as a function that is equal for equal models, of numbers for parameters."""
         self.require_numbers("an albedo by quadrature")
-        return reflected_share(self.model, self.fresnel)
+        return reflected_fraction(self.model, self.fresnel)
 
     def __repr__(self) -> str:
         return f"Microfacet({self.model!r}, {self.fresnel!r})"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import product
-from math import log1p, sqrt
+from math import log1p, pi, sqrt
 from typing import Any, ClassVar
 
 import mpmath
@@ -17,26 +17,25 @@ from microfacet.geometry.roughness import Alphas
 from microfacet.geometry.slopes import Stretched, around, normals_integral, slope_integral, unstretched_norm
 from microfacet.geometry.visible_normals import sample_beckmann
 from microfacet.kernels import Pair, Vector
-from microfacet.notation import a, alpha, alpha_x, alpha_y, chi, q, raw, wm, x, y
+from microfacet.notation import a, alpha, alpha_x, alpha_y, chi, printed_symbol, q, wm, x, y
+from microfacet.special_functions import SQRT_PI
 from microfacet.statement import Equation
 
 # --- the distribution -----------------------------------------------------------------------------------------------
 
 
-PI = 3.141592653589793
-SQRT_PI = 1.7724538509055161
-FAR = sp.Integer(9)  # in units of alpha: what the slopes beyond add is below 1e-34
+SLOPE_LIMIT = sp.Integer(9)  # in units of alpha: the contribution of slopes beyond is below 1e-34
 ROUGHNESSES = [(1e-4,), (0.1,), (1.0,), (10.0,)]  # at which integrals are enclosed
 
 
 def compensated_P22(x: float, y: float, alpha_x: float, alpha_y: float) -> float:
-    return exp_minus_squares(x, y, alpha_x, alpha_y, 1.0, 1.0 / (PI * alpha_x * alpha_y))
+    return exp_minus_squares(x, y, alpha_x, alpha_y, 1.0, 1.0 / (pi * alpha_x * alpha_y))
 
 
 def compensated_D(x: float, y: float, z: float, alpha_x: float, alpha_y: float) -> float:
     height = z if z > 0.0 else 1.0
     square = height * height
-    value = exp_minus_squares(x, y, alpha_x, alpha_y, height, 1.0 / (PI * alpha_x * alpha_y * (square * square)))
+    value = exp_minus_squares(x, y, alpha_x, alpha_y, height, 1.0 / (pi * alpha_x * alpha_y * (square * square)))
     return value if z > 0.0 else 0.0
 
 
@@ -44,7 +43,7 @@ with sp.evaluate(False):
     P22 = Equation(
         key="geometry.beckmann.P22",
         title="Beckmann distribution of slopes",
-        symbol=raw("P22_beckmann", r"P_{22}(\tilde{x}, \tilde{y})"),
+        symbol=printed_symbol("P22_beckmann", r"P_{22}(\tilde{x}, \tilde{y})"),
         equals=sp.exp(-(x**2) / alpha_x**2 - y**2 / alpha_y**2) / (sp.pi * alpha_x * alpha_y),
         computed_by=compensated_P22,
         over={x: (-50, 50), y: (-50, 50), alpha_x: ROUGHNESS, alpha_y: ROUGHNESS},
@@ -54,7 +53,7 @@ with sp.evaluate(False):
     D = Equation(
         key="geometry.beckmann.D",
         title="Beckmann distribution of normals, anisotropic",
-        symbol=raw("D_beckmann", r"D(\omega_m)"),
+        symbol=printed_symbol("D_beckmann", r"D(\omega_m)"),
         equals=chi(sp.cos(wm.theta))
         * sp.exp(-(sp.tan(wm.theta) ** 2) * (sp.cos(wm.phi) ** 2 / alpha_x**2 + sp.sin(wm.phi) ** 2 / alpha_y**2))
         / (sp.pi * alpha_x * alpha_y * sp.cos(wm.theta) ** 4),
@@ -88,7 +87,9 @@ projected_area = Equation(
     equals=sp.Integer(1),
     proof=_polar_steps,
     proved_by="sympy: slopes unstretched, then polar coordinates",
-    enclosed=lambda it: balls.agreement(balls.truncated(unstretched_norm(P22.equals), FAR, sp.exp(-(FAR**2))), 1, (), [()]),
+    enclosed=lambda it: balls.agreement(
+        balls.truncated(unstretched_norm(P22.equals), SLOPE_LIMIT, sp.exp(-(SLOPE_LIMIT**2))), 1, (), [()]
+    ),
     slides=(35, 36, 55, 67),
     cite="heitz2014",
 )
@@ -102,15 +103,15 @@ with sp.evaluate(False):
     P2 = Equation(
         key="geometry.beckmann.P2",
         title="Beckmann slopes along one direction",
-        symbol=raw("P2_beckmann", r"P_2(q)"),
+        symbol=printed_symbol("P2_beckmann", r"P_2(q)"),
         means=sp.Integral(sp.exp(-(q**2) / alpha**2 - y**2 / alpha**2) / (sp.pi * alpha**2), (y, -sp.oo, sp.oo)),
         equals=sp.exp(-(q**2) / alpha**2) / (sp.sqrt(sp.pi) * alpha),
         computed_by=marginal,
         enclosed=lambda it: balls.agreement(
-            balls.truncated(it.means, FAR * alpha, it.equals * sp.exp(-(FAR**2))),
+            balls.truncated(it.means, SLOPE_LIMIT * alpha, it.equals * sp.exp(-(SLOPE_LIMIT**2))),
             it.equals,
             (q, alpha),
-            [(share * scale, scale) for share, scale in product((0.0, 1.0, 5.0), (1e-4, 1.0, 10.0))],
+            [(ratio * scale, scale) for ratio, scale in product((0.0, 1.0, 5.0), (1e-4, 1.0, 10.0))],
         ),
         over={q: (-50, 50), alpha: ROUGHNESS},
         slides=(70, 71),
@@ -120,11 +121,14 @@ with sp.evaluate(False):
     rms = Equation(
         key="geometry.beckmann.rms",
         title="root mean square of Beckmann slopes along one direction",
-        symbol=raw("rms_beckmann", r"\sqrt{\int_{-\infty}^{\infty} q^2 P_2(q) \, dq}"),
+        symbol=printed_symbol("rms_beckmann", r"\sqrt{\int_{-\infty}^{\infty} q^2 P_2(q) \, dq}"),
         means=sp.sqrt(sp.Integral(q**2 * sp.exp(-(q**2) / alpha**2) / (sp.sqrt(sp.pi) * alpha), (q, -sp.oo, sp.oo))),
         equals=alpha / sp.sqrt(2),
         enclosed=lambda it: balls.agreement(
-            balls.truncated(it.means, FAR * alpha, 10 * alpha**2 * sp.exp(-(FAR**2))), it.equals, (alpha,), ROUGHNESSES
+            balls.truncated(it.means, SLOPE_LIMIT * alpha, 10 * alpha**2 * sp.exp(-(SLOPE_LIMIT**2))),
+            it.equals,
+            (alpha,),
+            ROUGHNESSES,
         ),
         over={alpha: ROUGHNESS},
         slides=(64, 65),
@@ -190,7 +194,7 @@ with sp.evaluate(False):
         slides=(58, 62, 63),
         cite="heitz2014, eq. 69",
         enclosed=lambda it: balls.agreement(
-            balls.truncated(it.means, a + FAR, sp.exp(-((a + FAR) ** 2))),
+            balls.truncated(it.means, a + SLOPE_LIMIT, sp.exp(-((a + SLOPE_LIMIT) ** 2))),
             it.equals,
             (a,),
             [(1e-8,), (0.01,), (1.0,), (4.0,)],
@@ -207,7 +211,10 @@ area = Equation(
     computed_as=1 + alpha**2 * (1 - sp.Function("g")(1 / alpha)) / 2,
     over={alpha: ROUGHNESS},
     enclosed=lambda it: balls.agreement(
-        balls.truncated(it.means, FAR * alpha, (2 + FAR * alpha) * sp.exp(-(FAR**2))), it.equals, (alpha,), ROUGHNESSES
+        balls.truncated(it.means, SLOPE_LIMIT * alpha, (2 + SLOPE_LIMIT * alpha) * sp.exp(-(SLOPE_LIMIT**2))),
+        it.equals,
+        (alpha,),
+        ROUGHNESSES,
     ),
     proof=lambda: _area_steps(),
     proved_by="sympy: substitution w^2 = 1 + q^2, then the antiderivative",

@@ -16,7 +16,7 @@ from microfacet.arithmetic import inverse_power, quotient_of_squares, two_produc
 from microfacet.directions import within
 from microfacet.geometry.slopes import Distribution, around, normals_integral
 from microfacet.kernels import ByPrecision, Pair, Vector
-from microfacet.notation import chi, n, q, raw, u, wm, x, y
+from microfacet.notation import chi, n, printed_symbol, q, u, wm, x, y
 from microfacet.parameters import double, each
 from microfacet.proofs import under_integral
 from microfacet.statement import Equation
@@ -25,11 +25,10 @@ EXPONENT = (0.5, 1e4)
 POWERS = [(0.5,), (1.0,), (10.0,), (1e4,)]  # at which integrals are enclosed
 POWER_LIMITS = (1e-22, 1e22)  # within, as for the limits of alpha, all are numbers in both precisions
 r = sp.Symbol("r", positive=True)
-D_at_m = raw("D_m", r"D(\omega_m)")
-K = raw("K", "K", positive=True)  # normalisation of the slopes along one direction
+D_at_m = printed_symbol("D_m", r"D(\omega_m)")
+K = printed_symbol("K", "K", positive=True)  # normalisation of the slopes along one direction
 
 STEEPEST = ByPrecision(double=1e-140, single=1e-16)  # of a facet's cosine: below, the square of its slope is too large
-PI = 3.141592653589793
 
 
 def power_of_cosine(x: float, y: float, z: float, n: float) -> float:
@@ -40,7 +39,7 @@ def power_of_cosine(x: float, y: float, z: float, n: float) -> float:
 
 
 def normalized_power(x: float, y: float, z: float, n: float) -> float:
-    return (n + 2.0) / (2.0 * PI) * power_of_cosine(x, y, z, n)
+    return (n + 2.0) / (2.0 * pi) * power_of_cosine(x, y, z, n)
 
 
 # --- statements ---------------------------------------------------------------------------------------------------
@@ -58,7 +57,7 @@ with sp.evaluate(False):
     D = Equation(
         key="geometry.blinn_phong.D",
         title="Blinn-Phong distribution of normals, as first used",
-        symbol=raw("D_blinn_phong", r"D(\omega_m)"),
+        symbol=printed_symbol("D_blinn_phong", r"D(\omega_m)"),
         equals=chi(sp.cos(wm.theta)) * sp.cos(wm.theta) ** n,
         computed_as=chi(wm.z) * _COSINE**n,
         computed_by=power_of_cosine,
@@ -71,7 +70,7 @@ with sp.evaluate(False):
     normalized_D = Equation(
         key="geometry.normalized_blinn_phong.D",
         title="normalised Blinn-Phong distribution of normals",
-        symbol=raw("D_normalized_blinn_phong", r"D(\omega_m)"),
+        symbol=printed_symbol("D_normalized_blinn_phong", r"D(\omega_m)"),
         equals=chi(sp.cos(wm.theta)) * (n + 2) / (2 * sp.pi) * sp.cos(wm.theta) ** n,
         computed_as=chi(wm.z) * (n + 2) / (2 * sp.pi) * _COSINE**n,
         computed_by=normalized_power,
@@ -244,7 +243,7 @@ with sp.evaluate(False):
     slopes = Equation(
         key="geometry.blinn_phong.P22",
         title="Blinn-Phong slopes are Student's, but for a factor",
-        symbol=raw("P22_blinn_phong", r"P_{22}(\tilde{x}, \tilde{y})"),
+        symbol=printed_symbol("P22_blinn_phong", r"P_{22}(\tilde{x}, \tilde{y})"),
         means=sp.cos(wm.theta) ** 4 * D_at_m,
         equals=(1 + x**2 + y**2) ** (-(n + 4) / 2),
         proof=lambda it: _slope_steps(it),
@@ -267,7 +266,7 @@ with sp.evaluate(False):
     marginal = Equation(
         key="geometry.blinn_phong.P2",
         title="Blinn-Phong slopes along one direction",
-        symbol=raw("P2_blinn_phong", r"P_2(q)"),
+        symbol=printed_symbol("P2_blinn_phong", r"P_2(q)"),
         means=_student,
         equals=K * (1 + q**2) ** (-(n + 3) / 2),
         where={K: _K},
@@ -361,7 +360,7 @@ def kernel_sample(u: Pair, p: Power) -> Pair:
 
 
 def kernel_excess(wm: Vector, p: Power) -> float:
-    return 2.0 * PI / (p.n + 2.0)
+    return 2.0 * pi / (p.n + 2.0)
 
 
 def _power(name: str, value: Any) -> float:

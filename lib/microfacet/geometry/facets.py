@@ -1,6 +1,6 @@
-"""The facet that a ray meets, whether it comes from above the surface or from below, in proportion to what facets show of it.
+"""Samples of the facet that a ray meets, from above or from below, in proportion to the projected areas of facets.
 
-What walks within Smith's model need. Sources: dupuy2023 for the spherical cap; for Beckmann's slopes, by rejection, the bounds
+For random walks within Smith's model. Sources: dupuy2023 for the spherical cap; for Beckmann's slopes, by rejection, the bounds
 are given here.
 """
 
@@ -9,12 +9,13 @@ from __future__ import annotations
 from math import cos, exp, log, pi, sin, sqrt
 
 from microfacet.geometry.roughness import Alphas
-from microfacet.geometry.visible_normals import SQRT_PI, STRAIGHT, unstretched
+from microfacet.geometry.visible_normals import STRAIGHT, unstretched
 from microfacet.kernels import Pair, Vector
+from microfacet.special_functions import SQRT_PI
 from microfacet.streams import drawn
 
 TRIES = 300  # how often a slope is drawn before giving up
-FLAT = 1e200  # the cotangent of a direction that is upright
+FLAT = 1e200  # the cotangent of a vertical direction
 
 
 def ggx_facet(v: Vector, u: Pair, key: int, at: int, p: Alphas) -> Vector:

@@ -16,7 +16,7 @@ from microfacet.geometry.roughness import Alphas
 from microfacet.geometry.slopes import Stretched, around, normals_integral, slope_integral, unstretched_norm
 from microfacet.geometry.visible_normals import sample_ggx
 from microfacet.kernels import Pair, Parameters, Vector
-from microfacet.notation import a, alpha, alpha_x, alpha_y, chi, q, raw, wm, x, y
+from microfacet.notation import a, alpha, alpha_x, alpha_y, chi, printed_symbol, q, wm, x, y
 from microfacet.statement import Equation
 
 ROUGHNESS = (1e-4, 10)
@@ -28,7 +28,7 @@ with sp.evaluate(False):
     P22 = Equation(
         key="geometry.ggx.P22",
         title="GGX distribution of slopes",
-        symbol=raw("P22_ggx", r"P_{22}(\tilde{x}, \tilde{y})"),
+        symbol=printed_symbol("P22_ggx", r"P_{22}(\tilde{x}, \tilde{y})"),
         equals=1 / (sp.pi * alpha_x * alpha_y * (1 + x**2 / alpha_x**2 + y**2 / alpha_y**2) ** 2),
         computed_as=1 / (sp.pi * alpha_x * alpha_y * (1 + (x / alpha_x) ** 2 + (y / alpha_y) ** 2) ** 2),
         over={x: (-1e3, 1e3), y: (-1e3, 1e3), alpha_x: ROUGHNESS, alpha_y: ROUGHNESS},
@@ -38,7 +38,7 @@ with sp.evaluate(False):
     D = Equation(
         key="geometry.ggx.D",
         title="GGX distribution of normals, anisotropic",
-        symbol=raw("D_ggx", r"D(\omega_m)"),
+        symbol=printed_symbol("D_ggx", r"D(\omega_m)"),
         equals=chi(sp.cos(wm.theta))
         / (
             sp.pi
@@ -83,7 +83,7 @@ with sp.evaluate(False):
     P2 = Equation(
         key="geometry.ggx.P2",
         title="GGX slopes along one direction",
-        symbol=raw("P2_ggx", r"P_2(q)"),
+        symbol=printed_symbol("P2_ggx", r"P_2(q)"),
         means=sp.Integral(1 / (sp.pi * alpha**2 * (1 + q**2 / alpha**2 + y**2 / alpha**2) ** 2), (y, -sp.oo, sp.oo)),
         equals=alpha**2 / (2 * (alpha**2 + q**2) ** sp.Rational(3, 2)),
         computed_as=1 / (2 * alpha * (1 + (q / alpha) ** 2) * sp.sqrt(1 + (q / alpha) ** 2)),
@@ -125,7 +125,9 @@ with sp.evaluate(False):
     half_below = Equation(
         key="geometry.ggx.median",
         title="half of all GGX slopes are below alpha",
-        symbol=raw("slopes_below_alpha", r"\int_{\tilde{x}^2 + \tilde{y}^2 < \alpha^2} P_{22} \, d\tilde{x} \, d\tilde{y}"),
+        symbol=printed_symbol(
+            "slopes_below_alpha", r"\int_{\tilde{x}^2 + \tilde{y}^2 < \alpha^2} P_{22} \, d\tilde{x} \, d\tilde{y}"
+        ),
         means=sp.Integral(2 * q / (1 + q**2) ** 2, (q, 0, 1)),
         equals=sp.Rational(1, 2),
         enclosed=lambda it: balls.agreement(it.means, it.equals, (), [()]),
@@ -135,7 +137,7 @@ with sp.evaluate(False):
     moment = Equation(
         key="geometry.ggx.second_moment",
         title="mean square of GGX slopes up to a reach Q: it grows without limit",
-        symbol=raw("moment_ggx", r"\int_{-Q}^{Q} q^2 P_2(q) \, dq"),
+        symbol=printed_symbol("moment_ggx", r"\int_{-Q}^{Q} q^2 P_2(q) \, dq"),
         means=sp.Integral(q**2 * (alpha**2 / (2 * (alpha**2 + q**2) ** sp.Rational(3, 2))), (q, -reach, reach)),
         equals=alpha**2 * (sp.asinh(reach / alpha) - reach / sp.sqrt(alpha**2 + reach**2)),
         proof=lambda: _moment_steps(),
@@ -285,7 +287,7 @@ def lobe(x_o: float, y_o: float, z_o: float, x_i: float, y_i: float, z_i: float,
 
 
 def inverted_lobe(wo: Vector, wi: Vector, p: Inverted) -> float:
-    """The same, given the inverse squares: once for all turns and calls."""
+    """The same, given the inverse squares: computed once for all rows and calls."""
     (x_o, y_o, z_o), (x_i, y_i, z_i), (x_factor, x_inverse), (y_factor, y_inverse) = wo, wi, p.of_x, p.of_y
     x, y, z = x_o + x_i, y_o + y_i, z_o + z_i
     square = x * x + y * y + z * z
@@ -297,7 +299,7 @@ def inverted_lobe(wo: Vector, wi: Vector, p: Inverted) -> float:
 
 
 def lobe_of_arrays(wo: Vector, wi: Vector, p: Alphas) -> float:
-    """Each turn has a roughness of its own, for which `inverse_square` would take longer than all else."""
+    """Each row has its own roughness, for which `inverse_square` would dominate the run time."""
     inverse = 1.0 / (p.alpha_x * p.alpha_y)  # one division for both
     return inverted_lobe(wo, wi, Inverted(p.alpha_x, p.alpha_y, (p.alpha_y * inverse, 1.0), (p.alpha_x * inverse, 1.0)))
 

@@ -1,9 +1,9 @@
-"""Where a distribution of slopes is: panels of slope space, small where it changes, each with its share of the facets.
+"""Adaptive panels of slope space for a distribution: small where its density changes, each with the moments of its facets.
 
-Nothing is known of the distribution but its values. Slopes in units of a scale are mapped to five squares: those up to one
-scale along both axes as they are, those beyond by the inverse of the larger one. Each map takes straight lines to straight
-lines, so that the edge of visibility, a line in slopes, cuts a panel in a trapezoid. A look at many points finds lobes that lie
-between the nodes of the first panels; panels are halved where the error comes from until all of it is small.
+Only values of the distribution are needed. Slopes in units of a scale are mapped to five squares: those up to one scale along
+both axes by the identity, those beyond by the inverse of the larger one. Each map takes straight lines to straight lines, so
+that the edge of visibility, a line in slope space, cuts a panel in a trapezoid. A grid of samples finds lobes that lie between
+the nodes of the first panels; then the panels of largest error are halved until the sum of errors is small.
 """
 
 from __future__ import annotations
@@ -16,18 +16,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
-NODES, LAST = 14, 4  # in each direction of a panel; coefficients that tell the error
-GOAL = 2e-13  # what all errors may add up to, of the whole
-MOST, ROUNDS = 1_500_000, 100  # evaluations of the distribution; rounds of halving
-WORTH = 1e-3  # of the largest error: panels of less wait for another round
-LOOKS, CLOSER = 40, 160  # points looked at along each side of a first panel, and where area is missing
-UNLIKE = 30.0  # a panel that differs by so many times its last coefficients from its polynomial has more in it
+SIDE_NODES, TAIL = 14, 4  # in each direction of a panel; coefficients from which the error is estimated
+GOAL = 2e-13  # bound of the sum of errors, relative
+MOST_EVALUATIONS, ROUNDS = 1_500_000, 100  # evaluations of the distribution; rounds of halving
+WORTH = 1e-3  # relative to the largest error: panels of smaller errors wait for another round
+SAMPLES, FINER_SAMPLES = 40, 160  # along each side of a first panel: at first, and if area is missing
+MISSED_LOBE = 30.0  # if samples differ from a panel's polynomial by this many times its last coefficients, it has missed a lobe
 ERRORS, DOUBTS = slice(3, 6), 5  # among the sums of a panel
-DOUBT = 1e-3  # of what is apart
-INSIDE = 1e-6  # of a panel's side: slopes are infinite at an edge
-STRIPED = 4.0  # how many times more a density changes along one side of a panel than along the other for it to have stripes
-MISSING = 1e-9  # area not found for which a closer look is taken
-ENOUGH = 1e-14  # of the whole: what a panel may be off by where fewer nodes are taken
+DOUBT = 1e-3  # error of a half, relative to the difference between both halves and the whole panel
+INSIDE = 1e-6  # distance of samples from the sides of a panel, where slopes may be infinite
+STRIPED = 4.0  # a panel is cut into stripes if its density changes this many times more along one side than along the other
+MISSING_AREA = 1e-9  # deviation of the area from 1 above which finer samples are taken
+ENOUGH = 1e-14  # error that fewer nodes may add to a panel, relative to the whole integral
 
 # X, Y and W as sums of 1, u and v for each square: the slopes are X/W and Y/W in units of the scale
 SQUARES = (
@@ -46,9 +46,9 @@ Function = Callable[[np.ndarray], np.ndarray]
 class Panels(NamedTuple):
     """Panels of slope space. scale: the two slopes that are 1 in the squares. boxes: (n, 5), square and ends along u and v.
 
-    moments: (n, 3), of each panel the area of its facets' projection and the integrals of both slopes over it. errors: (n,),
-    of these, where a slope counts in units of the scale. degrees: (n,), of the polynomials in u and v that suffice.
-    evaluations: how often D was evaluated. closest: the distance of points in the finest look, in units of the scale.
+    moments: (n, 3), for each panel the projected area of its facets and the integrals of both slopes over it. errors: (n,),
+    of these, with slopes in units of the scale. degrees: (n,), of the polynomials in u and v that suffice.
+    evaluations: how often D was evaluated. closest: the distance between samples, in units of the scale.
     """
 
     scale: tuple[float, float]
@@ -93,41 +93,45 @@ def density_at(D: Function, x: np.ndarray, y: np.ndarray, w: np.ndarray, scale: 
 
 
 @cache
-def rule(count: int = NODES) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def rule(count: int = SIDE_NODES) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Gauss-Legendre nodes on (0, 1), their weights, and the functionals that give the last 8 coefficients of the
     interpolating polynomial in orthonormal Legendre polynomials: (nodes, 8)."""
     nodes, weights = legendre.leggauss(count)
     normal = np.sqrt(2 * np.arange(count) + 1)
     functionals = legendre.legvander(nodes, count - 1) * normal * weights[:, None] / 2
-    return (nodes + 1) / 2, weights / 2, functionals[:, -2 * LAST :]
+    return (nodes + 1) / 2, weights / 2, functionals[:, -2 * TAIL :]
 
 
 @cache
 def _expansion() -> np.ndarray:
-    """What gives the coefficients in orthonormal Legendre polynomials on (0, 1), (NODES, NODES)."""
+    """The matrix from values at the nodes to coefficients of orthonormal Legendre polynomials, (SIDE_NODES, SIDE_NODES)."""
     nodes, weights, _ = rule()
-    return np.asarray(legendre.legvander(2 * nodes - 1, NODES - 1) * np.sqrt(2 * np.arange(NODES) + 1) * weights[:, None])
+    return np.asarray(
+        legendre.legvander(2 * nodes - 1, SIDE_NODES - 1) * np.sqrt(2 * np.arange(SIDE_NODES) + 1) * weights[:, None]
+    )
 
 
 def expanded(values: np.ndarray) -> np.ndarray:
-    """Coefficients of the polynomials through values at all pairs of nodes, (n, NODES, NODES)."""
+    """Coefficients of the polynomials through values at all pairs of nodes, (n, SIDE_NODES, SIDE_NODES)."""
     return np.asarray(_expansion().T @ values @ _expansion())
 
 
 def _beyond(coefficients: np.ndarray) -> np.ndarray:
-    """The norm of what is of at least each degree along either side, (n, NODES)."""
+    """For each degree the norm of the coefficients of at least that degree along either side, (n, SIDE_NODES)."""
     square = np.square(coefficients)
-    degree = np.maximum(*np.indices((NODES, NODES)))
-    return np.sqrt(np.stack([np.where(degree >= d, square, 0).sum(axis=(1, 2)) for d in range(NODES)], axis=1))
+    degree = np.maximum(*np.indices((SIDE_NODES, SIDE_NODES)))
+    return np.sqrt(np.stack([np.where(degree >= d, square, 0).sum(axis=(1, 2)) for d in range(SIDE_NODES)], axis=1))
 
 
 def falling(coefficients: np.ndarray) -> np.ndarray:
-    """How far the integral of a polynomial through all nodes may be off, from how its coefficients fall: (n, 8, j) -> (n, j).
+    """Estimated error of the integral of a polynomial through all nodes, from the decay of its coefficients.
 
-    Where the last four are not far below the four before them, as by a kink, the error is of their size. Where they
-    are, as of a smooth function, it is far smaller.
+    coefficients: the last 8 of each, (n, 8, j); the result has the shape (n, j).
+
+    If the last four are not far below the four before them, as at a kink, the error is of their size. If they are, as for a
+    smooth function, it is far smaller.
     """
-    before, last = np.sqrt(np.square(coefficients).reshape(len(coefficients), 2, LAST, -1).sum(axis=2)).swapaxes(0, 1)
+    before, last = np.sqrt(np.square(coefficients).reshape(len(coefficients), 2, TAIL, -1).sum(axis=2)).swapaxes(0, 1)
     return np.asarray(last * np.minimum(1, (4 * last / np.maximum(before, np.finfo(float).tiny)) ** 2))
 
 
@@ -149,7 +153,7 @@ def first_boxes() -> np.ndarray:
 
 
 class _Summed:
-    """Sums over panels: moments, errors along both sides, a place for doubts, and what is of at least each degree."""
+    """Sums over panels: moments, errors along both sides, a column for doubts, and the norms of `_beyond`."""
 
     def __init__(self, D: Function, scale: tuple[float, float]) -> None:
         self.D, self.scale, self.evaluations = D, scale, 0
@@ -175,19 +179,19 @@ class _Summed:
         area = (boxes[:, 2] - boxes[:, 1]) * (boxes[:, 4] - boxes[:, 3])
         return np.asarray(np.stack(sums, axis=1) * area[:, None])
 
-    def unlike(self, boxes: np.ndarray, looks: int) -> tuple[np.ndarray, np.ndarray]:
-        """Whether a box holds what the polynomial through its nodes does not show, at so many points along each side.
+    def has_missed_lobes(self, boxes: np.ndarray, samples: int) -> tuple[np.ndarray, np.ndarray]:
+        """Whether the density in a box differs from the polynomial through its nodes, at a grid of samples.
 
-        And how much the density changes from point to point along u and along v, (n, 2).
+        Also how much the density changes from sample to sample along u and along v, (n, 2).
         """
-        points = np.linspace(INSIDE, 1 - INSIDE, looks)  # as far as the edges, over which a lobe beside a panel reaches
-        through = legendre.legvander(2 * points - 1, NODES - 1) * np.sqrt(2 * np.arange(NODES) + 1)
+        points = np.linspace(INSIDE, 1 - INSIDE, samples)  # as far as the edges, over which a lobe beside a panel reaches
+        through = legendre.legvander(2 * points - 1, SIDE_NODES - 1) * np.sqrt(2 * np.arange(SIDE_NODES) + 1)
         coefficients = expanded(self.values(boxes, rule()[0])[3])
         there = self.values(boxes, points)[3]
-        apart = np.abs(through @ coefficients @ through.T - there).mean(axis=(1, 2))
+        differences = np.abs(through @ coefficients @ through.T - there).mean(axis=(1, 2))
         self.evaluations = 0
         changes = np.stack([np.abs(np.diff(there, axis=k)).mean(axis=(1, 2)) for k in (1, 2)], axis=1)
-        return apart > UNLIKE * (_beyond(coefficients)[:, NODES - LAST] + GOAL * np.abs(there).mean()), changes
+        return differences > MISSED_LOBE * (_beyond(coefficients)[:, SIDE_NODES - TAIL] + GOAL * np.abs(there).mean()), changes
 
 
 def _quarters(boxes: np.ndarray, changes: np.ndarray) -> np.ndarray:
@@ -197,52 +201,52 @@ def _quarters(boxes: np.ndarray, changes: np.ndarray) -> np.ndarray:
     return halves(boxes, ~np.tile(along, 2))
 
 
-def _looked(summed: _Summed, looks: int) -> np.ndarray:
-    """First boxes; those with more in them than their nodes show are quartered until their nodes are as close as the look."""
+def _sampled(summed: _Summed, samples: int) -> np.ndarray:
+    """First boxes; those with missed lobes are quartered until their nodes are as close as the samples."""
     done, boxes = [], first_boxes()
-    while len(boxes) and looks > NODES:
-        unlike, changes = summed.unlike(boxes, looks)
-        done.append(boxes[~unlike])
-        boxes, looks = _quarters(boxes[unlike], changes[unlike]), looks // 2
+    while len(boxes) and samples > SIDE_NODES:
+        missed, changes = summed.has_missed_lobes(boxes, samples)
+        done.append(boxes[~missed])
+        boxes, samples = _quarters(boxes[missed], changes[missed]), samples // 2
     return np.concatenate([*done, boxes])
 
 
 def _refined(summed: _Summed, boxes: np.ndarray, goal: float) -> tuple[np.ndarray, np.ndarray]:
-    """Halve boxes until the errors of all add up to the goal, or no more evaluations are left.
+    """Halve boxes until the sum of errors meets the goal, or no more evaluations are left.
 
-    Where both halves do not add up to the whole, a lobe may now lie between their nodes: that doubt is an error too.
+    Where both halves do not add up to the whole, there may be a lobe between their nodes: this doubt counts as an error too.
     """
     sums = summed(boxes)
     for _ in range(ROUNDS):
         errors = sums[:, ERRORS].sum(axis=1)
         order = np.argsort(-errors)
         remaining = np.cumsum(errors[order][::-1])[::-1]  # of this box and all of smaller errors
-        left = (MOST - summed.evaluations) // (2 * NODES**2)
+        left = (MOST_EVALUATIONS - summed.evaluations) // (2 * SIDE_NODES**2)
         aim = goal * np.abs(sums[:, 0]).sum()
         wanted = min(int(np.sum((remaining > aim / 2) & (errors[order] > WORTH * errors.max()))), left)
         if errors.sum() <= aim or wanted <= 0:
             break
-        halved, kept = order[:wanted], order[wanted:]
+        halved, others = order[:wanted], order[wanted:]
         children = halves(boxes[halved], np.abs(sums[halved, 3]) < np.abs(sums[halved, 4]))
-        found = summed(children)
-        apart = np.abs(found[:wanted, 0] + found[wanted:, 0] - sums[halved, 0])
-        found[:, DOUBTS] = np.tile(DOUBT * (apart + sums[halved, DOUBTS]), 2)
-        boxes = np.concatenate([boxes[kept], children])
-        sums = np.concatenate([sums[kept], found])
+        child_sums = summed(children)
+        differences = np.abs(child_sums[:wanted, 0] + child_sums[wanted:, 0] - sums[halved, 0])
+        child_sums[:, DOUBTS] = np.tile(DOUBT * (differences + sums[halved, DOUBTS]), 2)
+        boxes = np.concatenate([boxes[others], children])
+        sums = np.concatenate([sums[others], child_sums])
     return boxes, sums
 
 
 def panels(D: Function, scale: tuple[float, float]) -> Panels:
-    """Panels on which D, a function of unit normals (n, 3) that gives (n,), 1/sr, is as good as its polynomials.
+    """Panels on each of which D, a function of unit normals (n, 3) -> (n,) in 1/sr, is well approximated by a polynomial.
 
-    Where the area of the facets found is not 1, a closer look is taken. ValueError where D is not finite.
+    If the area of the facets is not 1, finer samples are taken. ValueError where D is not finite.
     """
     summed = _Summed(D, scale)
-    boxes, sums = _refined(summed, _looked(summed, LOOKS), GOAL)
-    looks = LOOKS
-    if abs(sums[:, 0].sum() - 1) > MISSING:
-        looks = CLOSER
-        boxes, sums = _refined(summed, _looked(summed, looks), GOAL)
+    boxes, sums = _refined(summed, _sampled(summed, SAMPLES), GOAL)
+    samples = SAMPLES
+    if abs(sums[:, 0].sum() - 1) > MISSING_AREA:
+        samples = FINER_SAMPLES
+        boxes, sums = _refined(summed, _sampled(summed, samples), GOAL)
     errors = sums[:, ERRORS].sum(axis=1)
     degrees = np.sum(sums[:, DOUBTS + 1 :] > ENOUGH * np.abs(sums[:, 0]).sum(), axis=1)
-    return Panels(scale, boxes, sums[:, :3], errors, degrees, summed.evaluations, 2 / INNER / looks)
+    return Panels(scale, boxes, sums[:, :3], errors, degrees, summed.evaluations, 2 / INNER / samples)

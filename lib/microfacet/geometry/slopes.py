@@ -1,6 +1,6 @@
 """Slopes: a normal is a slope, a distribution of normals is a distribution of slopes.
 
-`Distribution` is what every distribution of normals shares. To add one, write a file like ggx.py: its statements, and a
+`Distribution` is the base class of all distributions of normals. To add one, write a file like ggx.py: its statements, and a
 class that names the kernel of D. All else (masking, visible normals, validation) follows from D by quadrature, unless
 the class offers a closed form.
 """
@@ -22,20 +22,20 @@ from microfacet.geometry.panels import Panels, panels
 from microfacet.geometry.roughness import Alphas
 from microfacet.geometry.visible_normals import HORIZON
 from microfacet.kernels import Batch, Pair, Parameters, Vector
-from microfacet.notation import P22, Direction, alpha_x, alpha_y, chi, raw, x, y
+from microfacet.notation import P22, Direction, alpha_x, alpha_y, chi, printed_symbol, x, y
 from microfacet.parameters import Parametric, each, shown, together
 from microfacet.statement import Equation
 
 m = Direction("m")
 NORMS = tuple(f"geometry.{name}.projected_area" for name in ("beckmann", "ggx", "normalized_blinn_phong"))
-P22_at_m = raw("P22", r"P_{22}(\tilde{x}, \tilde{y})")
+P22_at_m = printed_symbol("P22", r"P_{22}(\tilde{x}, \tilde{y})")
 
 # --- statements ---------------------------------------------------------------------------------------------------
 
 slope_x = Equation(
     key="geometry.slopes.x",
     title="the slope of a facet along x",
-    symbol=raw("slope_x", r"\tilde{x}"),
+    symbol=printed_symbol("slope_x", r"\tilde{x}"),
     means=-m.x / m.z,
     equals=-sp.tan(m.theta) * sp.cos(m.phi),
     computed_as=-m.x / m.z,
@@ -56,7 +56,7 @@ def _solid_angle() -> sp.Expr:
 solid_angle = Equation(
     key="geometry.slopes.solid_angle",
     title="solid angle per area in slope space",
-    symbol=raw("domega", r"\frac{d\omega_m}{d\tilde{x}\, d\tilde{y}}"),
+    symbol=printed_symbol("domega", r"\frac{d\omega_m}{d\tilde{x}\, d\tilde{y}}"),
     equals=sp.cos(m.theta) ** 3,
     computed_as=m.z**3,
     where=m.spherical,
@@ -71,7 +71,7 @@ with sp.evaluate(False):
     normals_from_slopes = Equation(
         key="geometry.slopes.D",
         title="a distribution of normals from a distribution of slopes",
-        symbol=raw("D_m", r"D(\omega_m)"),
+        symbol=printed_symbol("D_m", r"D(\omega_m)"),
         equals=chi(sp.cos(m.theta)) * P22_at_m / sp.cos(m.theta) ** 4,
         computed_as=chi(m.z) * P22_at_m / m.z**4,
         where=m.spherical,
@@ -83,7 +83,7 @@ with sp.evaluate(False):
 
 def normals_integral(inside: str) -> sp.Symbol:
     """The left-hand side of an integral over all normals."""
-    return raw(f"integral_{zlib.crc32(inside.encode())}", rf"\int_{{\Omega}} {inside} \, d\omega_m")
+    return printed_symbol(f"integral_{zlib.crc32(inside.encode())}", rf"\int_{{\Omega}} {inside} \, d\omega_m")
 
 
 def _projection_steps(it: Equation) -> list[Any]:
@@ -110,7 +110,7 @@ with sp.evaluate(False):
     )
 
 
-# --- what every distribution shares ---------------------------------------------------------------------------------
+# --- the base class of distributions ---------------------------------------------------------------------------------
 
 
 OF_LAMBDA = ("sample_visible_kernel", "facet_kernel", "smith_lobe")
@@ -411,57 +411,61 @@ def alpha_of(ndf: Distribution) -> tuple[float, float]:
     return ndf.alpha
 
 
-DECADES, PER_DECADE, CLOSER = (-9, 4), 4, 32  # of slopes looked at, along either axis, and where facets are missing
-EVENLY = 2000  # angles looked at along either axis, where facets are still missing
-LACKING = 0.5  # what is found may be off from 1 by so much
-SPREAD = 2.0  # the scale over the slope that half of the facets exceed: near 1.73 for GGX, 2.10 for Beckmann
-FEW, WIDE = 0.02, 4.0  # of the facets exceed a slope; so many times that slope, hardly any do
+DECADES, PER_DECADE, PER_DECADE_FINE = (
+    (-9, 4),
+    4,
+    32,
+)  # of slopes on the grids, along either axis; the finer grid is for when facets are missing
+ANGLES = 2000  # along either axis, on the last grid, if facets are still missing
+NORM_TOLERANCE = 0.5  # deviation of the norm from 1 up to which a grid is good enough
+SPREAD_FACTOR = 2.0  # the scale over the median of |slope|: near 1.73 for GGX, 2.10 for Beckmann
+TAIL_FRACTION, TAIL_FACTOR = 0.02, 4.0  # hardly any facets exceed this factor times the slope that this fraction exceeds
 
 
 def spread(normals: Callable[[np.ndarray], np.ndarray]) -> tuple[float, float]:
-    """How far the slopes of a distribution spread along x and y: about twice what half of the facets exceed.
+    """How far the slopes of a distribution spread along x and y: twice the median of their size.
 
-    normals: a function of unit normals (n, 3) that gives (n,), 1/sr. It is looked at on grids of slopes of all sizes, even
-    in their logarithms, the closer one if the other does not find the facets, then on one even in angles. ValueError if it
-    is 0 on all grids, or not finite.
+    normals: a function of unit normals (n, 3) -> (n,) in 1/sr. It is evaluated on a grid of slopes of all sizes, uniform in
+    their logarithms; if that misses facets on a finer one, and then on one uniform in angles. ValueError if it is 0 on all
+    grids, or not finite.
     """
-    return _exceeded(normals, 0.5, SPREAD)
+    return _quantiles(normals, 0.5, SPREAD_FACTOR)
 
 
 def extent(normals: Callable[[np.ndarray], np.ndarray]) -> tuple[float, float]:
-    """Slopes along x and y that hardly any facets exceed, found in the same way."""
-    return _exceeded(normals, FEW, WIDE)
+    """Slopes along x and y that hardly any facets exceed, by the same grids."""
+    return _quantiles(normals, TAIL_FRACTION, TAIL_FACTOR)
 
 
-def _exceeded(normals: Callable[[np.ndarray], np.ndarray], part: float, factor: float) -> tuple[float, float]:
-    """So many times the slopes along x and y that this part of the facets exceeds."""
-    total, found = 0.0, (0.0, 0.0)
+def _quantiles(normals: Callable[[np.ndarray], np.ndarray], fraction: float, factor: float) -> tuple[float, float]:
+    """A factor times the slopes along x and y that a fraction of the facets exceeds."""
+    total, quantiles = 0.0, (0.0, 0.0)
     for sizes, steps in _grids():
-        there, slopes = _exceeded_of(normals, sizes, steps, part)
-        if not there < inf:
-            raise ValueError(f"a distribution of normals must have a finite norm above 0, got about {there:.3g}")
-        total, found = (there, slopes) if there > total else (total, found)
-        if abs(there - 1) < LACKING:
+        norm, candidates = _quantiles_on_grid(normals, sizes, steps, fraction)
+        if not norm < inf:
+            raise ValueError(f"a distribution of normals must have a finite norm above 0, got about {norm:.3g}")
+        total, quantiles = (norm, candidates) if norm > total else (total, quantiles)
+        if abs(norm - 1) < NORM_TOLERANCE:
             break
     if not total > 0:
         raise ValueError(f"a distribution of normals must have a finite norm above 0, got about {total:.3g}")
-    first, second = (float(f"{factor * slope:.6g}") for slope in found)  # alike if they differ by rounding
+    first, second = (float(f"{factor * slope:.6g}") for slope in quantiles)  # alike if they differ by rounding
     return first, second
 
 
 def _grids() -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Sizes of slopes and the steps between them."""
-    for count in (PER_DECADE, CLOSER):
+    for count in (PER_DECADE, PER_DECADE_FINE):
         sizes = np.logspace(*DECADES, count * (DECADES[1] - DECADES[0]) + 1)
         yield sizes, sizes * (log(10) / count)
-    angles = (np.arange(EVENLY // 2) + 0.5) / EVENLY * pi
-    yield np.tan(angles), pi / EVENLY / np.cos(angles) ** 2
+    angles = (np.arange(ANGLES // 2) + 0.5) / ANGLES * pi
+    yield np.tan(angles), pi / ANGLES / np.cos(angles) ** 2
 
 
-def _exceeded_of(
+def _quantiles_on_grid(
     normals: Callable[[np.ndarray], np.ndarray], sizes: np.ndarray, steps: np.ndarray, part: float
 ) -> tuple[float, Any]:
-    """The area of the facets found at slopes of these sizes, and the size along each axis that a part of them exceeds."""
+    """The norm over slopes of these sizes, and the size along each axis that a part of the facets exceeds."""
     signed = np.concatenate([-sizes, sizes])
     x, y = (axis.reshape(-1) for axis in np.meshgrid(signed, signed, indexing="ij"))
     z = 1 / np.sqrt(1 + x * x + y * y)
@@ -556,7 +560,7 @@ def around(radius: float, u: float) -> Pair:
     return radius * cos(2.0 * pi * u), radius * sin(2.0 * pi * u)
 
 
-# --- what the files of the distributions share ------------------------------------------------------------------------
+# --- helpers for the files of distributions ------------------------------------------------------------------------
 
 
 @cache

@@ -1,4 +1,4 @@
-"""Sampling the normals that a viewer sees, for Smith's model over GGX and Beckmann.
+"""Sampling visible normals, for Smith's model over GGX and Beckmann.
 
 Both unstretch the view direction to unit roughness, sample there, and stretch the normal back. Sources: heitzdeon2014 for
 Beckmann's slopes (inverted in microfacet.geometry.visible_slopes), dupuy2023 for the spherical cap.
@@ -8,31 +8,29 @@ from __future__ import annotations
 
 from math import sqrt
 
-from microfacet.arithmetic import turn
-from microfacet.geometry import visible_slopes
+from microfacet.arithmetic import cosine_and_sine
 from microfacet.geometry.roughness import Alphas
 from microfacet.geometry.visible_slopes import NOTHING, gaussian_slope, visible_gaussian_slope
 from microfacet.kernels import ByPrecision, Pair, Vector
 
 HORIZON = ByPrecision(double=1.5e-154, single=1.1e-19)  # the square of a lower height loses digits: it counts as 0
-EDGE = ByPrecision(double=8 * 2.0**-52, single=8 * 2.0**-23)  # of the sum of a cosine's terms, what rounding may change
+EDGE = ByPrecision(double=8 * 2.0**-52, single=8 * 2.0**-23)  # bound of the rounding error of a cosine, relative to its terms
 NONE = ByPrecision(double=1e-300, single=1e-37)  # in place of a square that is 0
-SQRT_PI = visible_slopes.SQRT_PI
 STRAIGHT = ByPrecision(double=1e-150, single=1e-18)  # below this sine its square loses digits, and azimuth has no effect
 
 
 def unstretched(w: Vector, p: Alphas) -> Vector:
-    """The unit direction that a surface of unit roughness sees this direction as."""
+    """The corresponding unit direction over the surface unstretched to unit roughness."""
     x, y, z = p.alpha_x * w[0], p.alpha_y * w[1], w[2]
     scale = 1.0 / sqrt(x * x + y * y + z * z)
     return scale * x, scale * y, scale * z
 
 
 def lacking(x: float, y: float, z: float) -> float:
-    """What must be added to these terms of the cosine between view and normal for it to be above 0 however it is rounded.
+    """What must be added to these terms of the cosine between view and normal for it to be above 0 in spite of rounding.
 
-    A facet on edge has a normal that is a difference of near numbers, so that rounding may turn it away from the viewer. A
-    change of the uniform numbers by their rounding leads from there to a facet that is just seen.
+    The normal of a facet seen edge-on is a difference of nearly equal numbers, so rounding may make it back-facing. A change of
+    the uniform numbers by their rounding error leads from there to a facet that is just visible.
     """
     return max(EDGE * (abs(x) + abs(y) + abs(z)) - (x + y + z), 0.0)
 
@@ -40,8 +38,8 @@ def lacking(x: float, y: float, z: float) -> float:
 def sample_ggx(wo: Vector, u: Pair, p: Alphas) -> Vector:
     """A visible normal of GGX: mirror directions fill a spherical cap uniformly.
 
-    The height on the cap is kept as its distance from the lower rim, so that no difference of near numbers is taken. The
-    unstretched view need not have unit length: all else is longer by as much, until the normal is.
+    The height on the cap is stored as its distance from the lower rim, which avoids cancellation. The unstretched view need not
+    have unit length: everything scales with it until the normal is normalised.
     """
     (ox, oy, oz), (u1, u2), alpha_x, alpha_y = wo, u, p.alpha_x, p.alpha_y
     x, y, z = alpha_x * ox, alpha_y * oy, oz if oz > HORIZON else 1.0
@@ -49,7 +47,7 @@ def sample_ggx(wo: Vector, u: Pair, p: Alphas) -> Vector:
     height = z + sqrt(square + z * z)
     above = (1.0 - u2) * height
     radius = sqrt(u2 * (above * height + square))
-    c, s = turn(u1)
+    c, s = cosine_and_sine(u1)
     hx = radius * c + x
     hy = radius * s + y
     towards = lacking(x * hx, y * hy, z * above) / max(square, NONE)
@@ -60,7 +58,7 @@ def sample_ggx(wo: Vector, u: Pair, p: Alphas) -> Vector:
 
 
 def sample_beckmann(wo: Vector, u: Pair, p: Alphas) -> Vector:
-    """A visible normal of Beckmann: the slope along the view from its visible share, the slope across independent."""
+    """A visible normal of Beckmann: the slope along the view by its visible area, the slope across independently."""
     (ox, oy, oz), (u1, u2), alpha_x, alpha_y = wo, u, p.alpha_x, p.alpha_y
     vx, vy = alpha_x * ox, alpha_y * oy
     vz = oz if oz > HORIZON else 1.0
@@ -69,9 +67,9 @@ def sample_beckmann(wo: Vector, u: Pair, p: Alphas) -> Vector:
     inverse = 1.0 / (vs if inclined else 1.0)
     c = vx * inverse if inclined else 1.0
     s = vy * inverse if inclined else 0.0
-    share = 1.0 / (vs + vz)
+    inverse_sum = 1.0 / (vs + vz)
     across = gaussian_slope(u2)
-    along = visible_gaussian_slope(max(vs * share, NOTHING), vz * share, u1)
+    along = visible_gaussian_slope(max(vs * inverse_sum, NOTHING), vz * inverse_sum, u1)
     slope_x = alpha_x * (c * along - s * across)
     slope_y = alpha_y * (s * along + c * across)
     towards = lacking(-ox * slope_x, -oy * slope_y, vz) * inverse

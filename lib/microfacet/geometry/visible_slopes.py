@@ -12,14 +12,13 @@ from __future__ import annotations
 from math import sqrt
 
 from microfacet.kernels import ByPrecision
-from microfacet.special_functions import FINE, exponential_within, logarithm_about, scaled_erfc
+from microfacet.special_functions import FINE, SQRT_PI, exponential_within, logarithm_about, scaled_erfc
 
-SQRT_PI = 1.7724538509055161
-LEAST = ByPrecision(double=1e-30, single=1e-13)  # a smaller share counts as this: no random number but 0 is smaller
-FAR = 8.5  # from here on the edge of visibility hides nothing that rounding shows
+LEAST = ByPrecision(double=1e-30, single=1e-13)  # lower bound of a fraction: no random number but 0 is smaller
+LARGEST_EDGE = 8.5  # slope of the edge of visibility from which on the hidden area is below rounding
 NOTHING = 1e-18
-MIDDLE = ByPrecision(double=1.45, single=0.0)  # where rounding rules, next to the edge of visibility, a step may
-REACH = ByPrecision(double=2.35, single=0.6)  # change the distance from it by -0.9 to 3.8 times, or by 0.6
+STEP_CENTRE = ByPrecision(double=1.45, single=0.0)  # next to the edge of visibility rounding dominates: there a step may
+STEP_LIMIT = ByPrecision(double=2.35, single=0.6)  # change the distance from it by -0.9 to 3.8 times, or by 0.6
 
 
 def edge_factor(c: float) -> float:
@@ -28,12 +27,12 @@ def edge_factor(c: float) -> float:
 
 
 def visible_area(s: float, z: float, c: float, e: float) -> float:
-    """Projected area of all slopes up to the edge c = z/s; e = `edge_factor(c)`. Exceeds z by what the back sides hide."""
+    """Projected area of all slopes up to the edge c = z/s; e = `edge_factor(c)`. Exceeds z by the hidden area."""
     return z + 0.5 * (e * e) * (s / SQRT_PI - z * scaled_erfc(c))
 
 
 def guess(s: float, z: float, c: float, e: float, u: float) -> tuple[float, float]:
-    """A slope near the one below which the share u lies, and z - s x: its distance from the edge, free of cancellation.
+    """A slope near the u-quantile of the visible area, and z - s x: its distance from the edge, free of cancellation.
 
     With r = sqrt(-log u) and y = x + r, a least-squares polynomial in log(r + edge) and s, weighted by what the
     steps leave, z - s x vanishes with r.
@@ -60,9 +59,9 @@ def excess(x: float, s: float, z: float, target: float) -> float:
     return SQRT_PI * (part * exponential_within(x * x) + (half if lower else -half)) + 0.5 * s
 
 
-def kept(step: float, s: float, distance: float) -> float:
-    """A step, or none where it would leave the neighbourhood of the guess: there rounding rules, and the guess will do."""
-    return step if abs(s * step - MIDDLE * distance) < REACH * distance else 0.0
+def step_or_none(step: float, s: float, distance: float) -> float:
+    """The step, or 0 where it would leave the neighbourhood of the guess: there rounding dominates, and the guess suffices."""
+    return step if abs(s * step - STEP_CENTRE * distance) < STEP_LIMIT * distance else 0.0
 
 
 def fifth_order(f: float, x: float, d: float, s: float) -> float:
@@ -84,32 +83,32 @@ def third_order(f: float, x: float, d: float, s: float) -> float:
 
 
 def visible_gaussian_slope(s: float, z: float, u: float) -> float:
-    """The slope along the view below which a share u, from 0 up to 1, of the visible area lies; s + z = 1, s > 0, z > 0."""
-    share = max(u, LEAST)
-    c = min(z / s, FAR)
+    """The slope along the view below which a fraction u in [0, 1) of the visible area lies; s + z = 1, s > 0, z > 0."""
+    fraction = max(u, LEAST)
+    c = min(z / s, LARGEST_EDGE)
     e = edge_factor(c)
-    target = share * visible_area(s, z, c, e)
-    x, d = guess(s, z, c, e, share)
-    step = kept(fifth_order(excess(x, s, z, target), x, d, s), s, d)
+    target = fraction * visible_area(s, z, c, e)
+    x, d = guess(s, z, c, e, fraction)
+    step = step_or_none(fifth_order(excess(x, s, z, target), x, d, s), s, d)
     x -= step
     d += s * step
     if FINE > 0.0:
-        x -= kept(third_order(excess(x, s, z, target), x, d, s), s, d)
+        x -= step_or_none(third_order(excess(x, s, z, target), x, d, s), s, d)
     return x
 
 
 def gaussian_slope(u: float) -> float:
-    """The slope across the view below which a share u lies: the inverse error function, by the nearer tail."""
+    """The slope across the view below which a fraction u lies: the inverse error function, by the nearer tail."""
     upper = u > 0.5
-    share = max(1.0 - u if upper else u, LEAST)
-    r = sqrt(max(-logarithm_about(4.0 * share * (1.0 - share)), 0.0))
+    fraction = max(1.0 - u if upper else u, LEAST)
+    r = sqrt(max(-logarithm_about(4.0 * fraction * (1.0 - fraction)), 0.0))
     r2 = r * r
     r4 = r2 * r2
     top = (0.8862269932262403 - 0.5624152271100655 * r) + (0.47503627571700524 - 0.1746607877075301 * r) * r2
     top += ((0.0788099984313004 - 0.014779616626660665 * r) + (0.004725627860242335 - 0.0004591980588989206 * r) * r2) * r4
     low = (1.0 - 0.6346105765241615 * r) + (0.27411241936853326 - 0.030278070066402908 * r) * r2
     low += ((0.00205633225431649 + 0.0032857248020552463 * r) + (-0.00035285254165031587 + 0.0003024912445035215 * r) * r2) * r4
-    x = (2.0 * share - 1.0) * (top + 0.0003048861151459679 * (r4 * r4)) / low
+    x = (2.0 * fraction - 1.0) * (top + 0.0003048861151459679 * (r4 * r4)) / low
     if FINE > 0.0:
-        x -= third_order(excess(x, 0.0, 1.0, share), x, 1.0, 0.0)
+        x -= third_order(excess(x, 0.0, 1.0, fraction), x, 1.0, 0.0)
     return -x if upper else x

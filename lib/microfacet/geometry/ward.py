@@ -2,32 +2,33 @@
 
 from __future__ import annotations
 
+from math import pi
 from typing import Any, ClassVar
 
 import sympy as sp
 
 from microfacet import balls
 from microfacet.arithmetic import exp_minus_squares
-from microfacet.geometry.beckmann import FAR, PI, ROUGHNESSES, Beckmann, kernel_sample
+from microfacet.geometry.beckmann import ROUGHNESSES, SLOPE_LIMIT, Beckmann, kernel_sample
 from microfacet.geometry.ggx import ROUGHNESS
 from microfacet.geometry.roughness import Alphas
 from microfacet.geometry.slopes import Stretched, normals_integral
 from microfacet.kernels import Vector
-from microfacet.notation import alpha, alpha_x, alpha_y, chi, q, raw, wm
+from microfacet.notation import alpha, alpha_x, alpha_y, chi, printed_symbol, q, wm
 from microfacet.statement import Equation
 
 
 def compensated_D(x: float, y: float, z: float, alpha_x: float, alpha_y: float) -> float:
     if not z > 0.0:
         return 0.0
-    return exp_minus_squares(x, y, alpha_x, alpha_y, z, 1.0 / (PI * alpha_x * alpha_y))
+    return exp_minus_squares(x, y, alpha_x, alpha_y, z, 1.0 / (pi * alpha_x * alpha_y))
 
 
 with sp.evaluate(False):
     D = Equation(
         key="geometry.ward.D",
         title="Ward distribution of normals, anisotropic",
-        symbol=raw("D_ward", r"D(\omega_m)"),
+        symbol=printed_symbol("D_ward", r"D(\omega_m)"),
         equals=chi(sp.cos(wm.theta))
         * sp.exp(-(sp.tan(wm.theta) ** 2) * (sp.cos(wm.phi) ** 2 / alpha_x**2 + sp.sin(wm.phi) ** 2 / alpha_y**2))
         / (sp.pi * alpha_x * alpha_y),
@@ -49,7 +50,7 @@ projected_area = Equation(
     means=sp.Integral(2 * q * sp.exp(-(q**2) / alpha**2) / (alpha**2 * (1 + q**2) ** 2), (q, 0, sp.oo)),
     equals=sp.exp(1 / alpha**2) * sp.expint(2, 1 / alpha**2) / alpha**2,
     enclosed=lambda it: balls.agreement(
-        balls.truncated(it.means, FAR * alpha, sp.exp(-(FAR**2))), it.equals, (alpha,), ROUGHNESSES
+        balls.truncated(it.means, SLOPE_LIMIT * alpha, sp.exp(-(SLOPE_LIMIT**2))), it.equals, (alpha,), ROUGHNESSES
     ),
     proof=lambda: _substitution_steps(),
     proved_by="sympy: substitution w = 1 + q^2 gives the exponential integral",

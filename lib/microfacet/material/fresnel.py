@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from microfacet.arithmetic import two_product, two_sum
 from microfacet.directions import cosines, real_number, within
 from microfacet.kernels import Batch, Parameters
-from microfacet.notation import raw
+from microfacet.notation import printed_symbol
 from microfacet.parameters import Parametric, each, shown, together
 from microfacet.statement import Equation
 
@@ -67,8 +67,8 @@ def dielectric(c: float, eta: float) -> float:
 def length(x: float, y: float) -> float:
     """sqrt(x^2 + y^2) of two numbers from 0, without squares that overflow or vanish."""
     larger = max(x, y)
-    share = min(x, y) / larger if larger > 0.0 else 0.0
-    return larger * sqrt(1.0 + share * share)
+    ratio = min(x, y) / larger if larger > 0.0 else 0.0
+    return larger * sqrt(1.0 + ratio * ratio)
 
 
 def conductor(c: float, eta: float, kappa: float) -> float:
@@ -97,7 +97,7 @@ def conductor(c: float, eta: float, kappa: float) -> float:
 
 
 def schlick(c: float, F0: float, F90: float) -> float:
-    """F0 (1 - u^5) + F90 u^5 with u = 1 - c: a sum of what is not negative, so that no digits are lost."""
+    """F0 (1 - u^5) + F90 u^5 with u = 1 - c: a sum of terms that are not negative, so that no digits are lost."""
     u = 1.0 - c
     fourth = (u * u) * (u * u)
     series = (1.0 + u) * (1.0 + u * u) + fourth
@@ -168,7 +168,7 @@ def _total_steps(it: Equation) -> list[Any]:
     return [(sp.I * it.where[_b]) ** 2 - (eta**2 - 1 + c**2), it.means.doit() - it.equals]
 
 
-refracted = raw("c_t", r"c_t", positive=True)  # cosine between refracted light and facet
+refracted = printed_symbol("c_t", r"c_t", positive=True)  # cosine between refracted light and facet
 _a, _b = sp.symbols("a_k b_k", positive=True)  # real and imaginary part of g, for any index
 
 with sp.evaluate(False):
@@ -190,7 +190,7 @@ with sp.evaluate(False):
     dielectric_F = Equation(
         key="material.fresnel.dielectric",
         title="Fresnel reflectance of a dielectric",
-        symbol=raw("F_dielectric", reflectance),
+        symbol=printed_symbol("F_dielectric", reflectance),
         means=(((c - eta * refracted) / (c + eta * refracted)) ** 2 + ((eta * c - refracted) / (eta * c + refracted)) ** 2) / 2,
         equals=((g - c) / (g + c)) ** 2 * (1 + ((c * (g + c) - 1) / (c * (g - c) + 1)) ** 2) / 2,
         computed_as=((_root - c) / (_root + c)) ** 2 * (1 + ((c * (_root + c) - 1) / (c * (_root - c) + 1)) ** 2) / 2,
@@ -207,7 +207,7 @@ with sp.evaluate(False):
     total_F = Equation(
         key="material.fresnel.total",
         title="total reflection",
-        symbol=raw("F_total", reflectance),
+        symbol=printed_symbol("F_total", reflectance),
         means=(_returned(c) + _returned(eta**2 * c)) / 2,
         equals=sp.Integer(1),
         where={_b: sp.sqrt(1 - eta**2 - c**2)},
@@ -223,7 +223,7 @@ with sp.evaluate(False):
     schlick_F = Equation(
         key="material.fresnel.schlick",
         title="Schlick's approximation of Fresnel reflectance",
-        symbol=raw("F_schlick", reflectance),
+        symbol=printed_symbol("F_schlick", reflectance),
         equals=F0 + (1 - F0) * (1 - c) ** 5,
         over={c: COSINE, F0: (0.001, 1)},
         slides=(47, 48),
@@ -257,7 +257,7 @@ with sp.evaluate(False):
     edge_F = Equation(
         key="material.fresnel.edge",
         title="Schlick's approximation with any reflectance at grazing incidence",
-        symbol=raw("F_edge", reflectance),
+        symbol=printed_symbol("F_edge", reflectance),
         equals=F0 + (F90 - F0) * (1 - c) ** 5,
         computed_by=schlick,
         over={c: COSINE, F0: (1e-6, 1), F90: (1e-6, 1)},
@@ -268,7 +268,7 @@ with sp.evaluate(False):
     f82_F = Equation(
         key="material.fresnel.f82",
         title="Schlick's approximation with a tint near grazing incidence",
-        symbol=raw("F_82", reflectance),
+        symbol=printed_symbol("F_82", reflectance),
         equals=_TINTED,
         where={b82: _B82},
         computed_as=_TINTED.subs(b82, _B82),
@@ -320,7 +320,7 @@ with sp.evaluate(False):
 conductor_F = Equation(
     key="material.fresnel.conductor",
     title="Fresnel reflectance of a conductor",
-    symbol=raw("F_conductor", reflectance),
+    symbol=printed_symbol("F_conductor", reflectance),
     equals=_PRINTED,
     computed_as=_PRINTED.subs({_a: _A, _b: sp.sqrt(_B2)}),
     rewrite_proof=list,

@@ -9,14 +9,14 @@ import sympy as sp
 from microfacet import balls
 from microfacet.geometry import ggx
 from microfacet.geometry.slopes import normals_integral
-from microfacet.notation import G1, D, a, alpha_x, alpha_y, chi, ih, mu_i, mu_o, om, raw, wm
-from microfacet.proofs import grounded
+from microfacet.notation import G1, D, a, alpha_x, alpha_y, chi, ih, mu_i, mu_o, om, printed_symbol, wm
+from microfacet.proofs import residuals_of_forms
 from microfacet.statement import Equation
 from microfacet.visibility.masking import MODELS, visible_norm, visible_normals
 
-m_vector, o_vector = raw("m_vector", r"\omega_m"), raw("o_vector", r"\omega_o")
-i_vector, h_vector = raw("i_vector", r"\omega_i"), raw("h_vector", r"\omega_h")
-D_visible = raw("D_visible_at_m", r"D_{\omega_o}(\omega_m)", positive=True)
+m_vector, o_vector = printed_symbol("m_vector", r"\omega_m"), printed_symbol("o_vector", r"\omega_o")
+i_vector, h_vector = printed_symbol("i_vector", r"\omega_i"), printed_symbol("h_vector", r"\omega_h")
+D_visible = printed_symbol("D_visible_at_m", r"D_{\omega_o}(\omega_m)", positive=True)
 
 
 def _mirror_steps() -> list[Any]:
@@ -43,7 +43,7 @@ def _jacobian_steps() -> list[Any]:
 def _half_angle_steps(it: Equation) -> list[Any]:
     """Elements of solid angle at gamma/2 and at gamma; the azimuth is the same."""
     element = sp.sin(gamma / 2) * sp.diff(gamma / 2, gamma)
-    return [element / sp.sin(gamma) - it.means.subs(it.where), *grounded(it)]
+    return [element / sp.sin(gamma) - it.means.subs(it.where), *residuals_of_forms(it)]
 
 
 def _furnace_steps(it: Equation) -> list[Any]:
@@ -67,7 +67,7 @@ def _down_steps() -> list[Any]:
 
 
 gamma = sp.Symbol("gamma", positive=True)  # between the view and the light
-sin_half, cos_half = raw("sin_half", r"\sin\frac{\gamma}{2}"), raw("cos_half", r"\cos\frac{\gamma}{2}")
+sin_half, cos_half = printed_symbol("sin_half", r"\sin\frac{\gamma}{2}"), printed_symbol("cos_half", r"\cos\frac{\gamma}{2}")
 
 with sp.evaluate(False):
     mirror = Equation(
@@ -92,7 +92,7 @@ with sp.evaluate(False):
     half_angle = Equation(
         key="material.reflection.half_angle",
         title="solid angle around the view direction, at half the angle and at the whole",
-        symbol=raw(
+        symbol=printed_symbol(
             "half_per_whole",
             r"\frac{\sin\frac{\gamma}{2} \, d\frac{\gamma}{2} \, d\varphi}{\sin\gamma \, d\gamma \, d\varphi}",
         ),
@@ -107,7 +107,7 @@ with sp.evaluate(False):
     jacobian = Equation(
         key="material.reflection.jacobian",
         title="solid angle of half vectors per solid angle of light",
-        symbol=raw("dh_di", r"\left| \frac{\partial \omega_h}{\partial \omega_i} \right|"),
+        symbol=printed_symbol("dh_di", r"\left| \frac{\partial \omega_h}{\partial \omega_i} \right|"),
         equals=1 / (4 * ih),
         over={ih: (1e-8, 1)},
         proof=_jacobian_steps,
@@ -118,7 +118,7 @@ with sp.evaluate(False):
     reflected = Equation(
         key="material.reflection.density",
         title="the distribution of reflected directions",
-        symbol=raw("p_i", r"p_{\omega_o}(\omega_i)"),
+        symbol=printed_symbol("p_i", r"p_{\omega_o}(\omega_i)"),
         means=D_visible / (4 * om),
         equals=G1 * D / (4 * mu_o),
         over={G1: (0, 1), D: (1e-6, 1e6), mu_o: (1e-8, 1)},
@@ -130,7 +130,9 @@ with sp.evaluate(False):
     weak_furnace = Equation(
         key="material.reflection.weak_furnace",
         title="the weak white furnace: with perfect mirrors and no shadowing nothing is lost",
-        symbol=raw("weak_furnace", r"\int_{\Omega} \frac{G_1(\omega_o, \omega_h) D(\omega_h)}{4 \cos \theta_o} \, d\omega_i"),
+        symbol=printed_symbol(
+            "weak_furnace", r"\int_{\Omega} \frac{G_1(\omega_o, \omega_h) D(\omega_h)}{4 \cos \theta_o} \, d\omega_i"
+        ),
         means=normals_integral(r"D_{\omega_o}(\omega_m)"),
         equals=sp.Integer(1),
         proof=_furnace_steps,
@@ -143,7 +145,7 @@ with sp.evaluate(False):
     down = Equation(
         key="material.reflection.down",
         title="what mirrors send down, for GGX at alpha = 1",
-        symbol=raw("sent_down", r"1 - \int_{\Omega^{+}} p_{\omega_o}(\omega_i) \, d\omega_i"),
+        symbol=printed_symbol("sent_down", r"1 - \int_{\Omega^{+}} p_{\omega_o}(\omega_i) \, d\omega_i"),
         means=1 - sp.Integral(1 / (1 + mu_o), (mu_i, 0, 1)),
         equals=mu_o / (1 + mu_o),
         proof=_down_steps,

@@ -30,7 +30,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from microfacet.cache import compiled
 from microfacet.directions import positive, whole
-from microfacet.processors import share
+from microfacet.processors import parallel_map
 
 Array = NDArray[np.float64]
 PERIODS = 6.0  # correlation lengths in a period, at least: its ends are then independent to exp(-36)
@@ -154,7 +154,7 @@ class GaussianField:
             (heights, first, min(first + BAND, self.size), kernels, *envelope, *(np.empty((2, w)) for w in nodes))
             for first in range(0, self.size, BAND)
         ]
-        share(_splat, jobs)
+        parallel_map(_splat, jobs)
         heights *= self.sigma * math.sqrt(2 * self.size**2 / (count * area))
         return heights
 

@@ -36,7 +36,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from microfacet.cache import compiled
 from microfacet.directions import as_points
-from microfacet.processors import share
+from microfacet.processors import parallel_map
 
 Array = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -119,7 +119,7 @@ class HeightField:
             rays = (o[part].reshape(-1), d[part].reshape(-1), own[part] if len(own) else own, order)
             count = part.stop - first
             jobs = [(*field, *rays, facet[part], distance[part], k, min(k + CHUNK, count)) for k in range(0, count, CHUNK)]
-            if any(share(_with_memory, jobs)):
+            if any(parallel_map(_with_memory, jobs)):
                 self._refuse(int(np.argmin(facet[part])) + first, o, d, own)
         return Hits(facet, distance)
 
@@ -444,9 +444,9 @@ def _pass_cells(s: Array, q: Integers, z: Singles, bits: int) -> None:  # pragma
         tx, ty = (1.0 - u) * _get(s, IX + k), (1.0 - v) * _get(s, IY + k)
         along_x = tx < ty
         leave = tx if along_x else ty
-        share = v + tx * dy if along_x else u + ty * dx
+        parallel_map = v + tx * dy if along_x else u + ty * dx
         start = z10 if along_x else z01
-        under_edge = oz + leave * dz < start + share * (z11 - start)
+        under_edge = oz + leave * dz < start + parallel_map * (z11 - start)
         middle = (1.0 - u - v if flip else v - u) * _get(s, IA + k)
         middle = middle if middle > t else t
         middle = middle if middle < leave else leave

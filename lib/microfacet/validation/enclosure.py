@@ -17,7 +17,7 @@ from microfacet import balls
 from microfacet.balls import Ball, Enclosure, ball
 from microfacet.geometry import beckmann, blinn_phong, ggx, ward
 from microfacet.geometry.slopes import normals_integral
-from microfacet.notation import Lambda_o, a, alpha, mu_o, n, q, raw, theta_o, wm
+from microfacet.notation import Lambda_o, a, alpha, mu_o, n, printed_symbol, q, theta_o, wm
 from microfacet.statement import Equation, expand_abbreviations
 
 ROUGH = (1e-4, 0.1, 1.0, 10.0)
@@ -26,7 +26,7 @@ ANGLES = (1e-3, 30.0, 60.0, 89.9, 90 - 1e-6)  # degrees
 FAR = 9  # in units of alpha: Gaussian slopes beyond have a share below 1e-36
 
 w = sp.Symbol("w", real=True)  # a slope along the view, in a form that suits the distribution
-tan_o = raw("tan_o", r"\tan \theta_o", positive=True)
+tan_o = printed_symbol("tan_o", r"\tan \theta_o", positive=True)
 COTANGENT = sp.cot(theta_o)
 CONSTANT, SLOPE, LOW, HIGH = sp.symbols("constant slope low high", real=True)
 
@@ -189,7 +189,9 @@ def share(masking: str, over: str) -> sp.Symbol:
         rf"G_1^{{\text{{{masking}}}}}(\omega_o, \omega_m) \left\langle \omega_o, \omega_m \right\rangle"
         rf" D_{{\text{{{over.split()[-1]}}}}}(\omega_m)"
     )
-    return raw(f"visible_share_{masking}_{over}", rf"\frac{{1}}{{\cos \theta_o}} \int_{{\Omega}} {integrand} \, d\omega_m")
+    return printed_symbol(
+        f"visible_share_{masking}_{over}", rf"\frac{{1}}{{\cos \theta_o}} \int_{{\Omega}} {integrand} \, d\omega_m"
+    )
 
 
 def missing(masking: str, over: str) -> sp.Expr:

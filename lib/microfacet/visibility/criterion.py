@@ -15,7 +15,7 @@ from typing import Any
 import sympy as sp
 
 from microfacet.geometry import ggx
-from microfacet.notation import P2, Lambda_i, Lambda_o, a, alpha, chi, mu_i, mu_o, om, q, raw, theta_o
+from microfacet.notation import P2, Lambda_i, Lambda_o, a, alpha, chi, mu_i, mu_o, om, printed_symbol, q, theta_o
 from microfacet.statement import Equation
 from microfacet.visibility import smith, unphysical
 from microfacet.visibility.unphysical import k
@@ -23,18 +23,18 @@ from microfacet.visibility.unphysical import k
 HALF = sp.Rational(1, 2)
 x = sp.Symbol("x", positive=True)  # the cotangent of the view's polar angle
 r, s = sp.symbols("r s", positive=True)
-P22_of_r = raw("P22_of_r", r"P_{22}(r)")
-level = raw("level", r"p_0", nonnegative=True)  # share of the surface that is level
-G1_view = raw("G1_view", r"G_1(\omega_o)", positive=True)
-f_prime = raw("f_prime_at_0", r"f'(0^{+})")
+P22_of_r = printed_symbol("P22_of_r", r"P_{22}(r)")
+level = printed_symbol("level", r"p_0", nonnegative=True)  # fraction of the surface that is level
+G1_view = printed_symbol("G1_view", r"G_1(\omega_o)", positive=True)
+f_prime = printed_symbol("f_prime_at_0", r"f'(0^{+})")
 
-# --- what f tells -------------------------------------------------------------------------------------------------------
+# --- what follows from f ----------------------------------------------------------------------------------------------
 
 with sp.evaluate(False):
     hidden_slopes = Equation(
         key="visibility.criterion.f",
         title="what a masking function of the view alone says of slopes",
-        symbol=raw("f_of_x", r"f(x)"),
+        symbol=printed_symbol("f_of_x", r"f(x)"),
         means=x * (1 / G1_view - 1),
         equals=sp.Integral((q - x) * P2(q), (q, x, sp.oo)),
         proof=lambda it: _hidden_steps(it),
@@ -46,7 +46,7 @@ with sp.evaluate(False):
     density = Equation(
         key="visibility.criterion.density",
         title="its second derivative is the density of slopes along the view",
-        symbol=raw("f_second", r"f''(x)"),
+        symbol=printed_symbol("f_second", r"f''(x)"),
         means=sp.Derivative(sp.Integral((q - x) * P2(q), (q, x, sp.oo)), (x, 2)),
         equals=P2(x),
         proof=lambda it: [it.means.doit() - it.equals, sp.diff(hidden_slopes.equals, x, 2) - it.equals],
@@ -177,7 +177,7 @@ with sp.evaluate(False):
     engines = Equation(
         key="visibility.criterion.engines",
         title="the fast masking and shadowing of game engines, one function in three disguises",
-        symbol=raw("G2_fast", r"G_2(\omega_o, \omega_i, \omega_m)"),
+        symbol=printed_symbol("G2_fast", r"G_2(\omega_o, \omega_i, \omega_m)"),
         means=2 * mu_o * mu_i / (2 * mu_o * mu_i * (1 - alpha) + (mu_o + mu_i) * alpha),
         equals=1 / (1 + Lambda_o + Lambda_i),
         where={Lambda_o: alpha / 2 * (1 / mu_o - 1), Lambda_i: alpha / 2 * (1 / mu_i - 1)},
@@ -190,7 +190,7 @@ with sp.evaluate(False):
     engines_least = Equation(
         key="visibility.criterion.engines_least",
         title="over GGX it shows too little, by less than a fifth",
-        symbol=raw("fast_over_smith", r"\frac{G_1^{\mathrm{fast}}(\omega_o)}{G_1(\omega_o)}"),
+        symbol=printed_symbol("fast_over_smith", r"\frac{G_1^{\mathrm{fast}}(\omega_o)}{G_1(\omega_o)}"),
         means=(mu + sp.sqrt(mu**2 * (1 - alpha**2) + 1)) / (2 * mu + 1 - alpha * mu),
         equals=sp.Rational(4, 5),
         relation=r"\ge",

@@ -1,4 +1,4 @@
-"""Masking: how much of a facet is seen, and what every masking model shares.
+"""Masking: the visible fraction of a facet, and the base class of masking models.
 
 To add a model, write a file like v_cavity.py: its statements, and a class that names its kernels.
 """
@@ -16,14 +16,14 @@ from microfacet.directions import uniform, vectors
 from microfacet.geometry.slopes import Distribution, normals_integral
 from microfacet.geometry.visible_normals import HORIZON
 from microfacet.kernels import Batch, Parameters, Vector
-from microfacet.notation import G1, D, mu_o, om, raw
+from microfacet.notation import G1, D, mu_o, om, printed_symbol
 from microfacet.parameters import Parametric
 from microfacet.statement import Equation
 
 # --- statements ---------------------------------------------------------------------------------------------------
 
-seen = raw("A_plus", r"A^{+}", positive=True)  # projected area of all facets turned to the viewer
-hidden = raw("A_minus", r"A^{-}", positive=True)  # projected area of all facets turned away
+seen = printed_symbol("A_plus", r"A^{+}", positive=True)  # projected area of all facets turned to the viewer
+hidden = printed_symbol("A_minus", r"A^{-}", positive=True)  # projected area of all facets turned away
 
 SHAPES = ("beckmann", "ggx", "normalized_blinn_phong")
 MODELS = tuple(f"validation.table2.{masking}_{shape}" for masking in ("smith", "v_cavity") for shape in SHAPES)
@@ -42,7 +42,7 @@ with sp.evaluate(False):
     visible_normals = Equation(
         key="visibility.masking.D_visible",
         title="the distribution of visible normals",
-        symbol=raw("D_visible", r"D_{\omega_o}(\omega_m)"),
+        symbol=printed_symbol("D_visible", r"D_{\omega_o}(\omega_m)"),
         equals=G1 * om * D / mu_o,
         over={G1: (0, 1), om: (1e-9, 1), D: (1e-6, 1e6), mu_o: (1e-8, 1)},
         slides=(41, 42, 43),
@@ -59,7 +59,7 @@ with sp.evaluate(False):
         note="The third validation equation: the second, divided by the cosine.",
     )
 
-# --- what every model shares ------------------------------------------------------------------------------------------
+# --- the base class of models -----------------------------------------------------------------------------------------
 
 
 class ModelParameters(NamedTuple):

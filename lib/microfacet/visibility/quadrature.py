@@ -1,14 +1,14 @@
-"""Integrals over the normals that a direction sees, in slope space, where the edge of visibility is a straight line.
+"""Integrals over the normals that face a direction, in slope space, where the edge of visibility is a straight line.
 
-Slopes are turned so that q runs along the view direction: a facet is seen from its front where q < cot theta_o. The line
-q = -cot theta_o, where V-cavities begin to mask, is a panel's edge too. The nodes are
-stretched to the tails, around the ridge of a stretched isotropic distribution: by tangents, right for tails that fall as
-a power, and by inverse hyperbolic tangents, right for tails that fall exponentially.
+Slopes are rotated so that q runs along the view direction: a facet is front-facing where q < cot theta_o. The line
+q = -cot theta_o, where V-cavities begin to mask, is an edge of a panel too. The nodes are stretched to the tails, around the
+ridge of a stretched isotropic distribution: by tangents, suited to tails that fall as a power, or by inverse hyperbolic
+tangents, suited to tails that fall exponentially.
 
-Both kinds begin with few nodes, which suffice if the density across the view is that of GGX or a Gaussian; which kind
-goes first, a look at the tails tells. If no two of these rules agree, both kinds are tried with more and more nodes,
-without any assumption on what lies across. Along the view, nodes are those of Gauss and Legendre, and in the end across
-power tails too; across exponential tails equal steps are better still.
+Both kinds of rules begin with few nodes, which suffice if the density across the view is that of GGX or a Gaussian; a test of
+the tails decides which kind is tried first. If no two of these rules agree, both kinds are tried with more and more nodes and
+without assumptions on the density across the view. Along the view the nodes are Gauss-Legendre nodes, and so are the last ones
+across the view for power tails; for exponential tails equal steps are better there.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ from microfacet.geometry.roughness import SlopeScale
 from microfacet.kernels import Batch, ByPrecision, Pair, Vector
 
 LEVELS = (12, 16, 24, 32, 48, 64, 96)  # nodes along and across, rule after rule
-FIRST_HEAVY = ((10, 3), (12, 4), (14, 5), (16, 6))  # nodes along and across of the first rules, for tails of a power
-FIRST_LIGHT = ((20, 2), (24, 3), (30, 2), (36, 3))  # and for exponential ones; the last two for one panel, from tail to tail
+FIRST_POWER = ((10, 3), (12, 4), (14, 5), (16, 6))  # nodes along and across of the first rules, for tails of a power
+FIRST_EXPONENTIAL = ((20, 2), (24, 3), (30, 2), (36, 3))  # and for exponential tails; the last two for a single panel
 AGREED = ByPrecision(5e-13, 2e-6)  # relative difference of two rules after which no third is tried
-LIGHT = 3.0  # inverse hyperbolic tangents of nodes are stretched by this: the one best for a Gaussian
+EXPONENTIAL_STRETCH = 3.0  # factor of the inverse hyperbolic tangents of nodes: the best one for a Gaussian
 NEAREST, FARTHEST = 5.5, 7.5  # where equal steps across exponential tails end, from the first rule to the last
-BEYOND = ByPrecision(1.0 - 1e-9, 1.0 - 1e-5)  # an edge of visibility at this share or farther is beyond all tails of a power,
-BEYOND_LIGHT = 0.995  # and at this one, nine scales out, beyond exponential ones
-PROBE, FALLEN = 4.0, 1e-4  # tails are exponential if at so many scales the density has fallen below this
+EDGE_BEYOND_POWER = ByPrecision(1.0 - 1e-9, 1.0 - 1e-5)  # in (-1, 1): from here on an edge is beyond all power tails
+EDGE_BEYOND_EXPONENTIAL = 0.995  # and here, nine scales out, beyond exponential ones
+PROBE, VANISHED = 4.0, 1e-4  # tails are exponential if the density at PROBE scales is below VANISHED times that at the centre
 
 Nodes = tuple[np.ndarray, np.ndarray]
 
@@ -43,13 +43,13 @@ def gauss_legendre(count: int) -> Nodes:
 
 
 def periodic(count: int) -> Nodes:
-    """Tangents of equal steps of half a turn: exact for GGX."""
+    """Tangents of equally spaced angles in (-pi/2, pi/2): exact for GGX."""
     angles = np.pi * ((np.arange(count) + 0.5) / count - 0.5)
     return np.tan(angles), np.pi / count / np.cos(angles) ** 2
 
 
 def legendre_tangents(count: int) -> Nodes:
-    """Tangents of Gauss-Legendre nodes of half a turn."""
+    """Tangents of Gauss-Legendre nodes in (-pi/2, pi/2)."""
     nodes, weights = gauss_legendre(count)
     return np.tan(np.pi / 2 * nodes), weights * np.pi / 2 / np.cos(np.pi / 2 * nodes) ** 2
 
@@ -61,14 +61,14 @@ def hermite(count: int) -> Nodes:
 
 
 def equal_steps(count: int) -> Nodes:
-    """Midpoints of equal steps; the more there are, the farther they go, so that a tail cut off shows as a difference."""
+    """Midpoints of equal steps; the more nodes, the longer the interval, so that rules differ if a tail is truncated."""
     reach = NEAREST + (FARTHEST - NEAREST) * LEVELS.index(count) / (len(LEVELS) - 1)
     nodes = reach * (2 * (np.arange(count) + 0.5) / count - 1)
     return nodes, np.full(count, 2 * reach / count)
 
 
 def _joined(rules: list[Nodes]) -> tuple[tuple[float, ...], tuple[float, ...], tuple[int, ...]]:
-    """Nodes and weights of all rules one after another, and where each begins."""
+    """Nodes and weights of all rules, concatenated, and the index at which each rule begins."""
     starts = np.cumsum([0, *(len(nodes) for nodes, _ in rules)])
     nodes, weights = (np.concatenate([rule[part] for rule in rules]) for part in (0, 1))
     return tuple(map(float, nodes)), tuple(map(float, weights)), tuple(map(int, starts))
@@ -76,45 +76,46 @@ def _joined(rules: list[Nodes]) -> tuple[tuple[float, ...], tuple[float, ...], t
 
 # the first rules of the two kinds, then those of each level
 RULES = [
-    *((gauss_legendre(along), periodic(across)) for along, across in FIRST_HEAVY),
-    *((gauss_legendre(along), hermite(across)) for along, across in FIRST_LIGHT),
+    *((gauss_legendre(along), periodic(across)) for along, across in FIRST_POWER),
+    *((gauss_legendre(along), hermite(across)) for along, across in FIRST_EXPONENTIAL),
     *((gauss_legendre(count), legendre_tangents(count)) for count in LEVELS),
-    *((gauss_legendre(max(count, FIRST_LIGHT[0][0])), equal_steps(count)) for count in LEVELS),
+    *((gauss_legendre(max(count, FIRST_EXPONENTIAL[0][0])), equal_steps(count)) for count in LEVELS),
 ]
-FEW, HIGH = len(FIRST_HEAVY), len(LEVELS) - 3  # the last three levels come when both kinds have failed
-HEAVY_LEVELS = 2 * FEW
-LIGHT_LEVELS = HEAVY_LEVELS + len(LEVELS)
-FOR_LIGHT = tuple(FEW <= rule < HEAVY_LEVELS or rule >= LIGHT_LEVELS for rule in range(len(RULES)))
+FIRST_COUNT, HIGH = len(FIRST_POWER), len(LEVELS) - 3  # the last three levels come when both kinds have failed
+POWER_LEVELS = 2 * FIRST_COUNT
+EXPONENTIAL_LEVELS = POWER_LEVELS + len(LEVELS)
+FOR_EXPONENTIAL = tuple(FIRST_COUNT <= rule < POWER_LEVELS or rule >= EXPONENTIAL_LEVELS for rule in range(len(RULES)))
 
 
 def schedule() -> tuple[int, ...]:
-    """The rules in the order in which they are tried if tails of a power are likely, then if exponential ones are."""
-    heavy = [*range(FEW), *range(HEAVY_LEVELS, HEAVY_LEVELS + HIGH)]
-    light = [*range(FEW, 2 * FEW), *range(LIGHT_LEVELS, LIGHT_LEVELS + HIGH)]
-    last = [(HEAVY_LEVELS + k, LIGHT_LEVELS + k) for k in range(HIGH, len(LEVELS))]
-    heavy_first = heavy + light + [rule for pair in last for rule in pair]
-    light_first = light + heavy + [rule for pair in last for rule in reversed(pair)]
-    return tuple(heavy_first + light_first)
+    """The order in which rules are tried if power tails are likely, followed by the order if exponential tails are."""
+    power = [*range(FIRST_COUNT), *range(POWER_LEVELS, POWER_LEVELS + HIGH)]
+    exponential = [*range(FIRST_COUNT, 2 * FIRST_COUNT), *range(EXPONENTIAL_LEVELS, EXPONENTIAL_LEVELS + HIGH)]
+    last = [(POWER_LEVELS + k, EXPONENTIAL_LEVELS + k) for k in range(HIGH, len(LEVELS))]
+    power_first = power + exponential + [rule for pair in last for rule in pair]
+    exponential_first = exponential + power + [rule for pair in last for rule in reversed(pair)]
+    return tuple(power_first + exponential_first)
 
 
 SCHEDULE = schedule()
-TURNS = len(RULES)
+RULE_COUNT = len(RULES)
 NODES, WEIGHTS, STARTS = _joined([rule[0] for rule in RULES])
-ONE_PANEL = 2  # the rule to begin with if no facet that counts is turned away
+ONE_PANEL = 2  # the rule to begin with if no facet of significance faces away
 UNKNOWN = float("nan")
-ACROSS, PORTIONS, ACROSS_STARTS = _joined([rule[1] for rule in RULES])
+NODES_ACROSS, WEIGHTS_ACROSS, STARTS_ACROSS = _joined([rule[1] for rule in RULES])
 
 
 @cache
-def slope_strip(integrand: Callable[..., float]) -> Callable[..., float]:
+def integrate_between_slopes(integrand: Callable[..., float]) -> Callable[..., float]:
     """The kernel of the integral of integrand(Lambda_o, wo, wm, p) over the normals wm between two slopes along the view.
 
-    rule: which of `RULES`. light: whether it is one for tails that fall exponentially. Lambda_o: of wo, for models that have
-    it. azimuth: the cosine and the sine of that of wo. ends: the slopes, as shares of a quarter turn or as tanh.
+    rule: index into `RULES`. exponential: whether that rule is for exponential tails. Lambda_o: of wo, for models that have
+    it. azimuth: cosine and sine of the azimuth of wo. ends: the slopes along the view in units of their scale, as 2/pi atan,
+    or as tanh of a third of them if exponential.
     """
 
-    def strip(
-        rule: int, light: bool, Lambda_o: float, wo: Vector, azimuth: Pair, ends: Pair, scale: SlopeScale, p: Any
+    def between_slopes(
+        rule: int, exponential: bool, Lambda_o: float, wo: Vector, azimuth: Pair, ends: Pair, scale: SlopeScale, p: Any
     ) -> float:
         (c, s), (start, stop), alpha_x, alpha_y = azimuth, ends, scale.scale_x, scale.scale_y
         along = sqrt((c * alpha_x) * (c * alpha_x) + (s * alpha_y) * (s * alpha_y))
@@ -122,35 +123,35 @@ def slope_strip(integrand: Callable[..., float]) -> Callable[..., float]:
         shift = s * c * (alpha_y * alpha_y - alpha_x * alpha_x) / (along * along)
         total = 0.0
         for k in range(STARTS[rule], STARTS[rule + 1]):
-            share = start + (stop - start) * (0.5 + 0.5 * NODES[k])
-            if light:
-                q = along * LIGHT * atanh(share)
+            t = start + (stop - start) * (0.5 + 0.5 * NODES[k])
+            if exponential:
+                q = along * EXPONENTIAL_STRETCH * atanh(t)
                 widening = aside
-                stretch = along * LIGHT / (1.0 - share * share)
+                stretch = along * EXPONENTIAL_STRETCH / (1.0 - t * t)
             else:
-                angle = 0.5 * pi * share
+                angle = 0.5 * pi * t
                 q = along * tan(angle)
                 widening = aside / cos(angle)
                 stretch = along * 0.5 * pi / (cos(angle) * cos(angle))
-            strong = 0.5 * WEIGHTS[k] * stretch * widening
-            for j in range(ACROSS_STARTS[rule], ACROSS_STARTS[rule + 1]):
-                r = shift * q + widening * ACROSS[j]
+            weight = 0.5 * WEIGHTS[k] * stretch * widening
+            for j in range(STARTS_ACROSS[rule], STARTS_ACROSS[rule + 1]):
+                r = shift * q + widening * NODES_ACROSS[j]
                 x, y = c * q - s * r, s * q + c * r
                 m = 1.0 / sqrt(1.0 + x * x + y * y)
-                total += strong * PORTIONS[j] * (m * m * m) * integrand(Lambda_o, wo, (-x * m, -y * m, m), p)
+                total += weight * WEIGHTS_ACROSS[j] * (m * m * m) * integrand(Lambda_o, wo, (-x * m, -y * m, m), p)
         return total * (stop - start)
 
-    return strip
+    return between_slopes
 
 
 @cache
-def light_tails(normals: Callable[..., float]) -> Callable[..., bool]:
-    """The kernel that looks whether a density of slopes has all but vanished at a few scales along each axis.
+def has_exponential_tails(normals: Callable[..., float]) -> Callable[..., bool]:
+    """The kernel that tests whether a density of slopes is almost 0 at a few scales along each axis.
 
     normals: the kernel of D, and p its parameters.
     """
 
-    def light_tails(scale: SlopeScale, p: Any) -> bool:
+    def has_exponential_tails(scale: SlopeScale, p: Any) -> bool:
         centre, tail = 0.0, 0.0
         for k in range(3):
             x = PROBE * scale.scale_x if k == 1 else 0.0
@@ -159,23 +160,30 @@ def light_tails(normals: Callable[..., float]) -> Callable[..., bool]:
             density = normals((-x * m, -y * m, m), p) * ((m * m) * (m * m))
             centre = density if k == 0 else centre
             tail = 0.0 if k == 0 else tail + density
-        return tail < FALLEN * centre
+        return tail < VANISHED * centre
 
-    return light_tails
+    return has_exponential_tails
 
 
 @cache
-def settled(integrand: Callable[..., float], hidden: bool = False) -> Callable[..., Pair]:
-    """The kernel of the integral over all normals with wo.wm > 0, or < 0 if `hidden`: it goes from rule to rule until two
-    agree, and returns them, first that of more nodes. For the integrand see `slope_strip`.
+def integrate_adaptively(integrand: Callable[..., float], hidden: bool = False) -> Callable[..., Pair]:
+    """The kernel of the integral over all normals with wo.wm > 0, or < 0 if `hidden`: it tries rule after rule until two
+    agree, and returns the results of these two, that of more nodes first. For the integrand see `integrate_between_slopes`.
 
-    begin: the first rules to pass over. guess: whether exponential tails are likely. floor: what the integral is added
-    to, so that it needs no more digits than the sum has. enough: the relative difference at which two rules agree.
+    begin: how many rules of the schedule to skip. exponential_likely: which kind of rules goes first. floor: a number to which
+    the integral is added later, so that it needs only the digits of the sum. enough: relative difference at which rules agree.
     """
-    strip = slope_strip(integrand)
+    between_slopes = integrate_between_slopes(integrand)
 
-    def settled(
-        begin: int, guess: bool, floor: float, enough: float, Lambda_o: float, wo: Vector, scale: SlopeScale, p: Any
+    def integrate_adaptively(
+        begin: int,
+        exponential_likely: bool,
+        floor: float,
+        enough: float,
+        Lambda_o: float,
+        wo: Vector,
+        scale: SlopeScale,
+        p: Any,
     ) -> Pair:
         ox, oy, oz = wo
         across = sqrt(ox * ox + oy * oy)
@@ -183,37 +191,40 @@ def settled(integrand: Callable[..., float], hidden: bool = False) -> Callable[.
         s = oy / across if across > 0.0 else 0.0
         along = sqrt((c * scale.scale_x) * (c * scale.scale_x) + (s * scale.scale_y) * (s * scale.scale_y))
         slope = oz / (across * along) if across > 0.0 else 1e30
-        edge_heavy, edge_light = atan(slope) / (0.5 * pi), tanh(slope / LIGHT)
-        heavy, steps, coarse_heavy, coarse_steps = UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN
-        for turn in range(begin, TURNS):
-            rule = SCHEDULE[turn + TURNS if guess else turn]
-            light = FOR_LIGHT[rule] > 0
+        edge_power, edge_exponential = atan(slope) / (0.5 * pi), tanh(slope / EXPONENTIAL_STRETCH)
+        last_power, last_exponential, previous_power, previous_exponential = UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN
+        for position in range(begin, RULE_COUNT):
+            rule = SCHEDULE[position + RULE_COUNT if exponential_likely else position]
+            exponential = FOR_EXPONENTIAL[rule] > 0
             fine = 0.0
             if hidden:
-                exponential = light and edge_light < BEYOND
-                edge = edge_light if exponential else edge_heavy
-                fine = strip(rule, exponential, Lambda_o, wo, (c, s), (edge, 1.0), scale, p)
+                stretched = exponential and edge_exponential < EDGE_BEYOND_POWER
+                edge = edge_exponential if stretched else edge_power
+                fine = between_slopes(rule, stretched, Lambda_o, wo, (c, s), (edge, 1.0), scale, p)
             else:
-                edge = edge_light if light else edge_heavy
-                edge = 1.0 if edge > (BEYOND_LIGHT if light else BEYOND) else edge
+                edge = edge_exponential if exponential else edge_power
+                edge = 1.0 if edge > (EDGE_BEYOND_EXPONENTIAL if exponential else EDGE_BEYOND_POWER) else edge
                 for part in range(2):
                     start, stop = (-1.0, -edge) if part == 0 else (-edge, edge)
-                    fine += strip(rule, light, Lambda_o, wo, (c, s), (start, stop), scale, p) if stop > start else 0.0
-            coarse = steps if light else heavy
-            coarse_steps, steps = (steps, fine) if light else (coarse_steps, steps)
-            coarse_heavy, heavy = (coarse_heavy, heavy) if light else (heavy, fine)
+                    ends = (start, stop)
+                    fine += between_slopes(rule, exponential, Lambda_o, wo, (c, s), ends, scale, p) if stop > start else 0.0
+            coarse = last_exponential if exponential else last_power
+            if exponential:
+                previous_exponential, last_exponential = last_exponential, fine
+            else:
+                previous_power, last_power = last_power, fine
             if abs(coarse - fine) <= enough * (floor + abs(fine)):
                 return fine, coarse
-        # none agreed: of the two kinds, the one that moved less
-        if abs(coarse_steps - steps) < abs(coarse_heavy - heavy):
-            return steps, coarse_steps
-        return heavy, coarse_heavy
+        # no two rules agreed: take the kind whose last two rules differ less
+        if abs(previous_exponential - last_exponential) < abs(previous_power - last_power):
+            return last_exponential, previous_exponential
+        return last_power, previous_power
 
-    return settled
+    return integrate_adaptively
 
 
-class Seen(NamedTuple):
-    """Parameters of an integral over the normals that a direction sees: the distribution's, the model's own, and the scale."""
+class VisibleParameters(NamedTuple):
+    """Parameters of an integral over front-facing normals: those of the distribution, the model's own, and the slope scale."""
 
     ndf: Any
     model: Any
@@ -221,17 +232,17 @@ class Seen(NamedTuple):
 
 
 @cache
-def seen_batch(Lambda: Callable[..., float], integrand: Callable[..., float], normals: Callable[..., float]) -> Batch:
-    """The last two rules over arrays of view directions: (..., 3) -> (..., 2), the one of more nodes first.
+def visible_integral(Lambda: Callable[..., float], integrand: Callable[..., float], normals: Callable[..., float]) -> Batch:
+    """The results of the last two rules for arrays of view directions: (..., 3) -> (..., 2), that of more nodes first.
 
-    Lambda, integrand: see `slope_strip`. normals: the kernel of D. Parameters: see `Seen`.
+    Lambda, integrand: see `integrate_between_slopes`. normals: the kernel of D. Parameters: see `VisibleParameters`.
     """
-    settle, fall = settled(integrand), light_tails(normals)
+    integral, exponential_tails = integrate_adaptively(integrand), has_exponential_tails(normals)
 
-    def both(wo: Vector, p: Seen) -> Pair:
-        guess = fall(p.scale, p.ndf)
+    def last_two_rules(wo: Vector, p: VisibleParameters) -> Pair:
+        exponential_likely = exponential_tails(p.scale, p.ndf)
         across = sqrt(wo[0] * wo[0] + wo[1] * wo[1])
-        whole = guess and wo[2] > FARTHEST * max(p.scale.scale_x, p.scale.scale_y) * across
-        return settle(ONE_PANEL if whole else 0, guess, 0.0, AGREED, Lambda(wo, p), wo, p.scale, p)
+        whole = exponential_likely and wo[2] > FARTHEST * max(p.scale.scale_x, p.scale.scale_y) * across
+        return integral(ONE_PANEL if whole else 0, exponential_likely, 0.0, AGREED, Lambda(wo, p), wo, p.scale, p)
 
-    return Batch(both, [3], 2)
+    return Batch(last_two_rules, [3], 2)

@@ -7,7 +7,7 @@ from typing import Any
 import sympy as sp
 
 from microfacet import balls
-from microfacet.notation import G1, LATEX, Lambda_i, Lambda_o, phi, raw, u
+from microfacet.notation import G1, LATEX, Lambda_i, Lambda_o, phi, printed_symbol, u
 from microfacet.statement import Equation
 
 OCCLUSION = (0, 1e4)
@@ -174,7 +174,7 @@ with sp.evaluate(False):
     near = Equation(
         key="brdf.shadowing.same_azimuth",
         title="from the same azimuth, what one direction sees the other sees, or less",
-        symbol=raw("G2_near", r"\lim_{\lambda \to 0} G_2(\omega_o, \omega_i, \omega_m)"),
+        symbol=printed_symbol("G2_near", r"\lim_{\lambda \to 0} G_2(\omega_o, \omega_i, \omega_m)"),
         equals=sp.Min(G1, G1_i),
         where={sp.Min(G1, G1_i): _SMALLER},
         proof=lambda it: [
@@ -188,7 +188,7 @@ with sp.evaluate(False):
     far_direction = Equation(
         key="brdf.shadowing.far_direction",
         title="far apart, correlation by direction leaves masking and shadowing independent",
-        symbol=raw("G2_far_direction", r"\lim_{\lambda \to 1} G_2(\omega_o, \omega_i, \omega_m)"),
+        symbol=printed_symbol("G2_far_direction", r"\lim_{\lambda \to 1} G_2(\omega_o, \omega_i, \omega_m)"),
         equals=separable.equals,
         proof=lambda it: [direction.equals.doit().subs(blend, 1) - it.equals.doit()],
         proved_by="sympy: lambda = 1 put in",
@@ -198,7 +198,7 @@ with sp.evaluate(False):
     far_heights = Equation(
         key="brdf.shadowing.far_height_direction",
         title="far apart, correlation by height is left",
-        symbol=raw("G2_far_heights", r"\lim_{\lambda \to 1} G_2(\omega_o, \omega_i, \omega_m)"),
+        symbol=printed_symbol("G2_far_heights", r"\lim_{\lambda \to 1} G_2(\omega_o, \omega_i, \omega_m)"),
         equals=height.equals,
         proof=lambda it: [
             _ordered(height_direction.equals).subs(blend, 1) - _ordered(it.equals),

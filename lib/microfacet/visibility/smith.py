@@ -19,21 +19,21 @@ from microfacet.geometry.roughness import SlopeScale
 from microfacet.geometry.slopes import Distribution, lambda_batch
 from microfacet.geometry.ward import Ward
 from microfacet.kernels import ByPrecision, Pair, Vector
-from microfacet.notation import P2, Lambda_o, alpha, alpha_x, alpha_y, chi, mu_o, om, q, raw, theta_o, u, v, wo, y
+from microfacet.notation import P2, Lambda_o, alpha, alpha_x, alpha_y, chi, mu_o, om, printed_symbol, q, theta_o, u, v, wo, y
 from microfacet.notation import alpha_o as roughness_o
-from microfacet.proofs import grounded
+from microfacet.proofs import residuals_of_forms
 from microfacet.statement import Equation
 from microfacet.visibility import shadowing
 from microfacet.visibility.hidden import Panelled, panels_Lambda, table_of
 from microfacet.visibility.masking import Masking, ModelParameters, dot, hidden, seen
 from microfacet.visibility.quadrature import (
-    HEAVY_LEVELS,
-    LIGHT_LEVELS,
+    EXPONENTIAL_LEVELS,
     NODES,
+    POWER_LEVELS,
     STARTS,
     WEIGHTS,
-    light_tails,
-    settled,
+    has_exponential_tails,
+    integrate_adaptively,
 )
 
 HALF = sp.Rational(1, 2)
@@ -80,7 +80,7 @@ with sp.evaluate(False):
     facet = Equation(
         key="visibility.smith.facet",
         title="what a facet shows with its sign, per area of the plane below it",
-        symbol=raw("facet_shows", r"\frac{\omega_o \cdot \omega_m}{\omega_m \cdot \omega_g}"),
+        symbol=printed_symbol("facet_shows", r"\frac{\omega_o \cdot \omega_m}{\omega_m \cdot \omega_g}"),
         means=sp.cos(theta_o) - q * sp.sin(theta_o),
         equals=sp.sin(theta_o) * (sp.cot(theta_o) - q),
         proof=lambda it: _facet_steps(it),
@@ -95,7 +95,11 @@ with sp.evaluate(False):
         means=sp.Integral((sp.cos(theta_o) - q * sp.sin(theta_o)) * P2(q), (q, -sp.oo, sp.oo)),
         equals=mu_o,
         where={P2(q): beckmann.P2.equals, mu_o: sp.cos(theta_o)},
-        proof=lambda it: [*grounded(it), it.means.atoms(sp.Integral).pop().function - facet.means * P2(q), *_signed_steps()],
+        proof=lambda it: [
+            *residuals_of_forms(it),
+            it.means.atoms(sp.Integral).pop().function - facet.means * P2(q),
+            *_signed_steps(),
+        ],
         proved_by="sympy: P2 has the integral 1 and the mean 0, as Beckmann's and that of GGX",
         slides=(38, 39),
         cite="heitz2014",
@@ -115,7 +119,7 @@ with sp.evaluate(False):
     G1 = Equation(
         key="visibility.smith.G1",
         title="Smith's masking function, from conservation of projected area",
-        symbol=raw("G1_smith", r"G_1(\omega_o, \omega_m)"),
+        symbol=printed_symbol("G1_smith", r"G_1(\omega_o, \omega_m)"),
         means=chi(om) * mu_o / seen,
         equals=chi(om) / (1 + Lambda_o),
         over={om: (-1, 1), Lambda_o: (0, 1e8)},
@@ -127,7 +131,7 @@ with sp.evaluate(False):
     survival = Equation(
         key="visibility.smith.survival",
         title="the chance that a facet is seen, given its height",
-        symbol=raw("chance_at_u", r"s(u)"),
+        symbol=printed_symbol("chance_at_u", r"s(u)"),
         means=sp.exp(-sp.Integral(Lambda_o / v, (v, u, 1))),
         equals=u**Lambda_o,
         proof=lambda it: _survival_steps(it),
@@ -141,7 +145,7 @@ with sp.evaluate(False):
     heights = Equation(
         key="visibility.smith.heights",
         title="Smith's masking function, averaged over heights",
-        symbol=raw("G1_heights", r"G_1(\omega_o, \omega_m)"),
+        symbol=printed_symbol("G1_heights", r"G_1(\omega_o, \omega_m)"),
         means=sp.Integral(u**Lambda_o, (u, 0, 1)),
         equals=1 / (1 + Lambda_o),
         enclosed=lambda it: balls.agreement(it.means, it.equals, (Lambda_o,), [(0.0,), (0.25,), (1.0,), (1e3,)]),
@@ -155,12 +159,12 @@ with sp.evaluate(False):
 def _facet_steps(it: Equation) -> list[Any]:
     """A view in the plane of the first axis; the facet's normal is (-q, -y, 1) over its length, which cancels."""
     view, normal = sp.Matrix([sp.sin(theta_o), 0, sp.cos(theta_o)]), sp.Matrix([-q, -y, 1])
-    shown = view.dot(normal) / normal[2]
-    return [shown - it.means, shown - it.equals.subs(sp.cot(theta_o), 1 / sp.tan(theta_o))]
+    visible = view.dot(normal) / normal[2]
+    return [visible - it.means, visible - it.equals.subs(sp.cot(theta_o), 1 / sp.tan(theta_o))]
 
 
 def _signed_steps() -> list[Any]:
-    """For each family: P2 is even, so that its mean is 0, and has an antiderivative that rises from -1/2 to 1/2."""
+    """For each family: P2 is even, so its mean is 0, and its antiderivative rises from -1/2 to 1/2."""
     rises = {beckmann: sp.erf(q / alpha) / 2, ggx: q / (2 * sp.sqrt(alpha**2 + q**2))}
     steps: list[Any] = []
     for family, rise in rises.items():
@@ -181,7 +185,7 @@ def _alpha_steps() -> list[Any]:
 
 
 def _argument_steps() -> list[Any]:
-    """alpha_o tan theta_o squared is what stands under the root, over cos^2 theta_o."""
+    """(alpha_o tan theta_o)^2 is the radicand over cos^2 theta_o."""
     alpha_squared = sp.cos(wo.phi) ** 2 * alpha_x**2 + sp.sin(wo.phi) ** 2 * alpha_y**2
     return [alpha_squared * sp.tan(wo.theta) ** 2 - _stretched_square() / sp.cos(wo.theta) ** 2]
 
@@ -200,13 +204,13 @@ def _projection_steps() -> list[Any]:
 
 CLOSE = ByPrecision(1e-10, 1e-5)  # difference of two rules, beside Lambda + LEAST: far above the error of the finer one
 LEAST = 0.01
-LIKE_BECKMANN = 1.0  # roughness from which on Ward's slopes are fewer than the scale says, and its quadrature errs
-TAIL = 7.0  # scales, beyond which the slopes of exponential tails hide less than 1e-20
+LIKE_BECKMANN = 1.0  # the largest alpha for which Ward's slopes are spread as its slope scale says; above, this quadrature errs
+TAIL = 7.0  # scales, beyond which the hidden area of exponential tails is below 1e-20
 
 
 @cache
 def _hiding(D: Callable[..., float]) -> Callable[..., float]:
-    """What a facet hides: the projected area that it turns away."""
+    """Integrand of the hidden area: the projected area of back-facing facets."""
 
     def hiding(Lambda_o: float, wo: Vector, wm: Vector, p: ModelParameters) -> float:
         return max(-dot(wo, wm), 0.0) * D(wm, p.ndf)
@@ -218,22 +222,22 @@ def _hiding(D: Callable[..., float]) -> Callable[..., float]:
 def quadrature_Lambda(D: Callable[..., float]) -> Callable[..., float]:
     """Lambda(wo, p) of any distribution: the integral over the half-plane of hidden slopes. p.model: its slope scale.
 
-    By the rules of the validation: from few nodes on until two rules agree.
+    By `integrate_adaptively`, with more and more nodes until two rules agree.
     """
-    settle, fall = settled(_hiding(D), hidden=True), light_tails(D)
+    integrate, exponential_tails = integrate_adaptively(_hiding(D), hidden=True), has_exponential_tails(D)
 
     def tail_Lambda(wo: Vector, p: ModelParameters) -> float:
         x, y, z = wo
         if x * x + y * y == 0.0:
             return 0.0
-        light = fall(p.model, p.ndf)
-        return settle(0, light, LEAST * abs(z), CLOSE, 0.0, (x, y, abs(z)), p.model, p)[0] / abs(z)
+        exponential = exponential_tails(p.model, p.ndf)
+        return integrate(0, exponential, LEAST * abs(z), CLOSE, 0.0, (x, y, abs(z)), p.model, p)[0] / abs(z)
 
     return tail_Lambda
 
 
-def bend(t: float) -> float:
-    """1 - atan(t)/t for t above 0, by its series where the two are near."""
+def one_minus_atan_over_t(t: float) -> float:
+    """1 - atan(t)/t for t above 0, by its series where the difference would cancel."""
     if t > 0.125:
         return 1.0 - atan(t) / t
     s = t * t
@@ -245,34 +249,34 @@ def bend(t: float) -> float:
 
 @cache
 def radial_Lambda(D: Callable[..., float]) -> Callable[..., float]:
-    """Lambda of a distribution without a preferred azimuth: the integral over azimuth is done, one over slopes is left.
+    """Lambda of an isotropic distribution: the integral over azimuth has a closed form, one over slopes remains.
 
-    Slopes of length sqrt(c^2 + s^2), c = cot theta_o, hide 2 s (1 - atan(s/c)/(s/c)) in all; s is the tangent of an
-    angle times a width, or the hyperbolic sine of a number where tails fall exponentially: it spreads nodes over all sizes
-    from 1, where Ward's density of slopes falls as a power, to alpha. More and more nodes are taken until two rules agree.
+    All slopes of length sqrt(c^2 + s^2), c = cot theta_o, together hide 2 s (1 - atan(s/c)/(s/c)). s is the tangent of an angle
+    times a width or, for exponential tails, the hyperbolic sine of the variable times a width: that spreads the nodes over all
+    sizes from 1, where Ward's density of slopes falls as a power, to alpha. Nodes are added until two rules agree.
     """
 
-    fall = light_tails(D)
+    exponential_tails = has_exponential_tails(D)
 
     def ring_Lambda(wo: Vector, p: ModelParameters) -> float:
         x, y, z = wo
         across = sqrt(x * x + y * y)
         if across == 0.0:
             return 0.0
-        c, alpha, light = abs(z) / across, p.model.scale_x, fall(p.model, p.ndf)
-        width = min(alpha, 1.0) if light else sqrt(alpha * alpha + c * c)
-        last = asinh(TAIL * alpha / width) if light else 0.5 * pi
+        c, alpha, exponential = abs(z) / across, p.model.scale_x, exponential_tails(p.model, p.ndf)
+        width = min(alpha, 1.0) if exponential else sqrt(alpha * alpha + c * c)
+        last = asinh(TAIL * alpha / width) if exponential else 0.5 * pi
         before, total = 0.0, 0.0
-        for rule in range(HEAVY_LEVELS, LIGHT_LEVELS):
+        for rule in range(POWER_LEVELS, EXPONENTIAL_LEVELS):
             before, total = total, 0.0
             for k in range(STARTS[rule], STARTS[rule + 1]):
                 u = 0.5 * last * (1.0 + NODES[k])
-                s = width * (sinh(u) if light else tan(u))
-                stretch = width * (cosh(u) if light else 1.0 / (cos(u) * cos(u)))
+                s = width * (sinh(u) if exponential else tan(u))
+                stretch = width * (cosh(u) if exponential else 1.0 / (cos(u) * cos(u)))
                 m = 1.0 / sqrt(1.0 + c * c + s * s)
                 density = D((sqrt(c * c + s * s) * m, 0.0, m), p.ndf) * ((m * m) * (m * m))
-                total += last * WEIGHTS[k] * stretch * density * s * s * bend(s / c)
-            if rule > HEAVY_LEVELS and abs(total - before) <= CLOSE * (LEAST * c + total):
+                total += last * WEIGHTS[k] * stretch * density * s * s * one_minus_atan_over_t(s / c)
+            if rule > POWER_LEVELS and abs(total - before) <= CLOSE * (LEAST * c + total):
                 break
         return total / c
 
@@ -280,7 +284,7 @@ def radial_Lambda(D: Callable[..., float]) -> Callable[..., float]:
 
 
 def Lambda_of(ndf: Distribution) -> Callable[..., float]:
-    """The cheapest kernel of Lambda for a distribution: a closed form, a rule known to suit it, or one for any distribution."""
+    """The cheapest kernel of Lambda for a distribution: a closed form, a suitable quadrature, or one for any distribution."""
     kind = type(ndf)
     if kind.closed_Lambda is not None:
         return closed_form(kind.closed_Lambda)
@@ -293,7 +297,7 @@ def Lambda_of(ndf: Distribution) -> Callable[..., float]:
 
 @cache
 def closed_form(Lambda: Callable[..., float]) -> Callable[..., float]:
-    """A distribution's Lambda as one of a model over it."""
+    """The Lambda of a distribution with the parameters of a model over it."""
 
     def closed_Lambda(w: Vector, p: ModelParameters) -> float:
         return Lambda(w, p.ndf)
@@ -313,8 +317,8 @@ def kernel_G1(Lambda_o: float, om: float, wo: Vector, wm: Vector, p: ModelParame
     return smith_G1(om, Lambda_o)
 
 
-def blended(wo: Vector, wi: Vector) -> float:
-    """lambda for the angle between two azimuths; at the pole, where there is none, it does not matter."""
+def azimuth_fraction(wo: Vector, wi: Vector) -> float:
+    """lambda for the angle between two azimuths; at the pole, where the azimuth is undefined, any value will do."""
     return azimuth_blend(abs(atan2(wo[0] * wi[1] - wo[1] * wi[0], wo[0] * wi[0] + wo[1] * wi[1])))
 
 
@@ -333,21 +337,21 @@ def G2_none(
 def G2_direction(
     Lambda_o: float, Lambda_i: float, om: float, im: float, wo: Vector, wi: Vector, wm: Vector, p: ModelParameters
 ) -> float:
-    return direction(Lambda_o, Lambda_i, blended(wo, wi))
+    return direction(Lambda_o, Lambda_i, azimuth_fraction(wo, wi))
 
 
 def G2_height_direction(
     Lambda_o: float, Lambda_i: float, om: float, im: float, wo: Vector, wi: Vector, wm: Vector, p: ModelParameters
 ) -> float:
-    return height_direction(Lambda_o, Lambda_i, blended(wo, wi))
+    return height_direction(Lambda_o, Lambda_i, azimuth_fraction(wo, wi))
 
 
 G2_BY_CORRELATION = dict(zip(CORRELATIONS, (G2_height, G2_none, G2_direction, G2_height_direction), strict=True))
 
 
 @cache
-def of_distribution(kernel: Callable[..., Vector]) -> Callable[..., Vector]:
-    """A distribution's sampler of visible normals as one of a model over it."""
+def sampler_of_distribution(kernel: Callable[..., Vector]) -> Callable[..., Vector]:
+    """The sampler of visible normals of a distribution with the parameters of a model over it."""
 
     def sampled(wo: Vector, u: Pair, p: ModelParameters) -> Vector:
         return kernel(wo, u, p.ndf)
@@ -443,4 +447,4 @@ class Smith(Masking):
     @property
     def sampler(self) -> Callable[..., Vector] | None:
         visible = type(self.ndf).sample_visible_kernel
-        return None if visible is None else of_distribution(visible)
+        return None if visible is None else sampler_of_distribution(visible)

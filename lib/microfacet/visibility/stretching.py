@@ -25,8 +25,8 @@ from microfacet.notation import (
     mu_o,
     om,
     phi_o,
+    printed_symbol,
     q,
-    raw,
     theta_o,
     wm,
     wo,
@@ -34,27 +34,27 @@ from microfacet.notation import (
     y,
 )
 from microfacet.notation import alpha_o as roughness_o
-from microfacet.proofs import grounded, under_integral
+from microfacet.proofs import residuals_of_forms, under_integral
 from microfacet.statement import Equation
 from microfacet.visibility import masking, v_cavity
 
 across = sp.Symbol("r", real=True)  # a slope across the view
-turned_P22 = raw("P22_turned", r"P_{22}'(q \cos\phi_o - r \sin\phi_o, \, q \sin\phi_o + r \cos\phi_o)")
-chained = raw("slope_by_chain", r"\frac{\partial}{\partial x} h(\alpha_x x, \alpha_y y)")
-slope_before = raw("slope_before", r"\tilde{x}(\alpha_x x, \alpha_y y)")
-facing_after = raw("facing_stretched", r"\frac{\omega_o' \cdot \omega_m'}{z_o' z_m'}")
-facing_before = raw("facing_before", r"\frac{\omega_o \cdot \omega_m}{z_o z_m}")
-leaning = raw("slope_over_sight", r"\frac{x_o \tilde{x} + y_o \tilde{y}}{z_o}")
-masked_before = raw("G1_before", r"G_1(\omega_o, \omega_m)")
-shares_after = raw("shares_stretched", r"D_{\omega_o'}'(\omega_m') \, d\omega_m'")
-shares_before = raw("shares_before", r"D_{\omega_o}(\omega_m) \, d\omega_m")
-STRETCHED_P22 = raw("P22_stretched", r"P_{22}'(\tilde{x}, \tilde{y})")
+turned_P22 = printed_symbol("P22_turned", r"P_{22}'(q \cos\phi_o - r \sin\phi_o, \, q \sin\phi_o + r \cos\phi_o)")
+chained = printed_symbol("slope_by_chain", r"\frac{\partial}{\partial x} h(\alpha_x x, \alpha_y y)")
+slope_before = printed_symbol("slope_before", r"\tilde{x}(\alpha_x x, \alpha_y y)")
+facing_after = printed_symbol("facing_stretched", r"\frac{\omega_o' \cdot \omega_m'}{z_o' z_m'}")
+facing_before = printed_symbol("facing_before", r"\frac{\omega_o \cdot \omega_m}{z_o z_m}")
+leaning = printed_symbol("slope_over_sight", r"\frac{x_o \tilde{x} + y_o \tilde{y}}{z_o}")
+masked_before = printed_symbol("G1_before", r"G_1(\omega_o, \omega_m)")
+shares_after = printed_symbol("shares_stretched", r"D_{\omega_o'}'(\omega_m') \, d\omega_m'")
+shares_before = printed_symbol("shares_before", r"D_{\omega_o}(\omega_m) \, d\omega_m")
+STRETCHED_P22 = printed_symbol("P22_stretched", r"P_{22}'(\tilde{x}, \tilde{y})")
 FAMILIES = (beckmann, ggx)
 ALONG = sp.cos(phi_o) ** 2 * alpha_x**2 + sp.sin(phi_o) ** 2 * alpha_y**2  # alpha_o squared
 GGX_REACH = sp.Integer(10) ** 10  # in units of alpha_x alpha_y/alpha_o across the view
 POINTS = [(0.0, 2.0, 0.5, 2.0), (0.75, 0.3, 0.5, 0.05), (0.75, 2.0, 2.0, 0.5)]
 
-sight = tuple(raw(f"{part}_sight", rf"{part}_o'", real=True) for part in "xyz")
+sight = tuple(printed_symbol(f"{part}_sight", rf"{part}_o'", real=True) for part in "xyz")
 length = sp.Symbol("length", positive=True)
 
 # --- the map ----------------------------------------------------------------------------------------------------------
@@ -166,7 +166,10 @@ def _marginal_enclosed(it: Equation) -> list[balls.Enclosure]:
     """Both families: the integral over the slope across, in pairs around its centre, against P2 of roughness alpha_o."""
     rho = sp.Symbol("rho", positive=True)
     found = []
-    for family, reach, tail in ((beckmann, beckmann.FAR, sp.exp(-(beckmann.FAR**2))), (ggx, GGX_REACH, _ggx_tail())):
+    for family, reach, tail in (
+        (beckmann, beckmann.SLOPE_LIMIT, sp.exp(-(beckmann.SLOPE_LIMIT**2))),
+        (ggx, GGX_REACH, _ggx_tail()),
+    ):
         unit = family.P2.equals.doit().subs(alpha, 1).subs(q, q / roughness_o)
         hill, closed = family.P22.equals.doit(), it.equals.subs(P2(q / roughness_o), unit)
         pair = sum(hill.subs(turned(_centre() + sign * rho), simultaneous=True) for sign in (1, -1))
@@ -205,7 +208,7 @@ with sp.evaluate(False):
     slope = Equation(
         key="anisotropy.slope",
         title="the slope of a stretched surface",
-        symbol=raw("slope_stretched", r"\tilde{x}'(x, y)"),
+        symbol=printed_symbol("slope_stretched", r"\tilde{x}'(x, y)"),
         means=chained,
         equals=alpha_x * slope_before,
         proof=_chain_steps,
@@ -230,7 +233,7 @@ with sp.evaluate(False):
         means=facing_before,
         equals=1 - leaning,
         where=_facing_meanings(),
-        proof=lambda it: [*_tangent_steps(), *grounded(it, left=True)],
+        proof=lambda it: [*_tangent_steps(), *residuals_of_forms(it, left=True)],
         proved_by="sympy: tangents go with the map and normals against it; then the quotient in components",
         slides=(68, 69),
         cite="heitz2014",
@@ -238,7 +241,7 @@ with sp.evaluate(False):
     argument = Equation(
         key="anisotropy.a",
         title="Smith's masking does not change by stretching",
-        symbol=raw("a_stretched", r"a'"),
+        symbol=printed_symbol("a_stretched", r"a'"),
         means=sight[2] / sp.sqrt((alpha_x * sight[0]) ** 2 + (alpha_y * sight[1]) ** 2),
         equals=wo.z / sp.sqrt(wo.x**2 + wo.y**2),
         where={part: moved / length for part, moved in zip(sight, moved_direction(wo), strict=True)},
@@ -249,7 +252,7 @@ with sp.evaluate(False):
     cavity = Equation(
         key="anisotropy.v_cavity",
         title="the masking of V-cavities does not change by stretching",
-        symbol=raw("G1_stretched", r"G_1(\omega_o', \omega_m')"),
+        symbol=printed_symbol("G1_stretched", r"G_1(\omega_o', \omega_m')"),
         equals=masked_before,
         proof=lambda it: [*_cavity_steps(), it.equals - masked_before],
         proved_by="sympy: G1 depends on 2/facing only",
@@ -270,7 +273,7 @@ with sp.evaluate(False):
     unstretched = Equation(
         key="anisotropy.sight",
         title="slope of the line of sight after unstretching",
-        symbol=raw("cot_unstretched", r"\cot \theta"),
+        symbol=printed_symbol("cot_unstretched", r"\cot \theta"),
         means=wo.z / sp.sqrt((alpha_x * wo.x) ** 2 + (alpha_y * wo.y) ** 2),
         equals=1 / (roughness_o * sp.tan(theta_o)),
         proof=_sight_steps,
@@ -281,7 +284,7 @@ with sp.evaluate(False):
     marginal = Equation(
         key="anisotropy.P2",
         title="slopes along the view are those of an isotropic surface of roughness alpha_o",
-        symbol=raw("P2_stretched", r"P_2'(q)"),
+        symbol=printed_symbol("P2_stretched", r"P_2'(q)"),
         means=sp.Integral(turned_P22, (across, -sp.oo, sp.oo)),
         equals=P2(q / roughness_o) / roughness_o,
         where={

@@ -13,7 +13,7 @@ from microfacet.directions import positive
 from microfacet.geometry import ggx
 from microfacet.geometry.slopes import Distribution, alpha_of
 from microfacet.kernels import Vector
-from microfacet.notation import Lambda_o, a, chi, im, mu_i, mu_o, om, raw
+from microfacet.notation import Lambda_o, a, chi, im, mu_i, mu_o, om, printed_symbol
 from microfacet.parameters import double, each, together
 from microfacet.statement import Equation
 from microfacet.visibility.masking import Masking, ModelParameters
@@ -26,7 +26,7 @@ with sp.evaluate(False):
     implicit_G1 = Equation(
         key="visibility.implicit.G1",
         title="Implicit masking",
-        symbol=raw("G1_implicit", r"G_1(\omega_o, \omega_m)"),
+        symbol=printed_symbol("G1_implicit", r"G_1(\omega_o, \omega_m)"),
         equals=chi(om) * mu_o,
         over={om: (-1, 1), mu_o: COSINE},
         slides=(58,),
@@ -35,7 +35,7 @@ with sp.evaluate(False):
     implicit_G2 = Equation(
         key="brdf.implicit.G2",
         title="Implicit masking and shadowing: what makes the BRDF's denominator vanish",
-        symbol=raw("G2_implicit", r"G_2(\omega_o, \omega_i, \omega_m)"),
+        symbol=printed_symbol("G2_implicit", r"G_2(\omega_o, \omega_i, \omega_m)"),
         equals=mu_o * mu_i,
         over={mu_o: COSINE, mu_i: COSINE},
         slides=(58,),
@@ -44,7 +44,7 @@ with sp.evaluate(False):
     kelemen_G1 = Equation(
         key="visibility.kelemen.G1",
         title="Kelemen masking",
-        symbol=raw("G1_kelemen", r"G_1(\omega_o, \omega_m)"),
+        symbol=printed_symbol("G1_kelemen", r"G_1(\omega_o, \omega_m)"),
         equals=chi(om) * mu_o / om,
         over={om: (1e-6, 1), mu_o: COSINE},
         slides=(58,),
@@ -54,7 +54,7 @@ with sp.evaluate(False):
     kelemen_G2 = Equation(
         key="brdf.kelemen.G2",
         title="Kelemen masking and shadowing",
-        symbol=raw("G2_kelemen", r"G_2(\omega_o, \omega_i, \omega_m)"),
+        symbol=printed_symbol("G2_kelemen", r"G_2(\omega_o, \omega_i, \omega_m)"),
         equals=mu_o * mu_i / (om * im),
         computed_as=mu_o / om * (mu_i / im),
         over={mu_o: COSINE, mu_i: COSINE, om: (1e-6, 1), im: (1e-6, 1)},
@@ -65,7 +65,7 @@ with sp.evaluate(False):
     schlick_G1 = Equation(
         key="visibility.schlick_smith.G1",
         title="Schlick's approximation of Smith's masking",
-        symbol=raw("G1_schlick", r"G_1(\omega_o, \omega_m)"),
+        symbol=printed_symbol("G1_schlick", r"G_1(\omega_o, \omega_m)"),
         equals=chi(om) * mu_o / (mu_o * (1 - k) + k),
         computed_as=chi(om) * mu_o / (mu_o + k * (1 - mu_o)),
         over={om: (-1, 1), mu_o: COSINE, k: (0, 1)},
@@ -75,7 +75,7 @@ with sp.evaluate(False):
     schlick_G2 = Equation(
         key="brdf.schlick_smith.G2",
         title="Schlick's approximation of Smith's masking and shadowing",
-        symbol=raw("G2_schlick", r"G_2(\omega_o, \omega_i, \omega_m)"),
+        symbol=printed_symbol("G2_schlick", r"G_2(\omega_o, \omega_i, \omega_m)"),
         equals=mu_o / (mu_o * (1 - k) + k) * mu_i / (mu_i * (1 - k) + k),
         computed_as=mu_o / (mu_o + k * (1 - mu_o)) * (mu_i / (mu_i + k * (1 - mu_i))),
         over={mu_o: COSINE, mu_i: COSINE, k: (0, 1)},

@@ -7,14 +7,14 @@ from typing import Any
 import sympy as sp
 
 from microfacet.kernels import Vector
-from microfacet.notation import chi, gm, im, mu_i, mu_o, om, raw, wm, wo
-from microfacet.proofs import grounded
+from microfacet.notation import chi, gm, im, mu_i, mu_o, om, printed_symbol, wm, wo
+from microfacet.proofs import residuals_of_forms
 from microfacet.statement import Equation
 from microfacet.visibility.masking import Masking, ModelParameters
 
-facing = raw("o_dot_m", r"\left( \omega_o \cdot \omega_m \right)", real=True)
-opposite = raw("o_dot_opposite", r"\left( \omega_o \cdot \omega_m' \right)", real=True)
-up, normal = raw("g_vector", r"\omega_g"), raw("m_vector", r"\omega_m")
+facing = printed_symbol("o_dot_m", r"\left( \omega_o \cdot \omega_m \right)", real=True)
+opposite = printed_symbol("o_dot_opposite", r"\left( \omega_o \cdot \omega_m' \right)", real=True)
+up, normal = printed_symbol("g_vector", r"\omega_g"), printed_symbol("m_vector", r"\omega_m")
 
 
 def _vectors() -> tuple[sp.Matrix, sp.Matrix, sp.Matrix]:
@@ -34,7 +34,7 @@ def _mirror_steps(it: Equation) -> list[Any]:
 def _opening_steps(it: Equation) -> list[Any]:
     """Each side covers half of the opening, so has the area 1/(2 m_z)."""
     _, m, other = _vectors()
-    return [1 / (2 * m[2]) * m[2] + 1 / (2 * other[2]) * other[2] - 1, *grounded(it, left=True)]
+    return [1 / (2 * m[2]) * m[2] + 1 / (2 * other[2]) * other[2] - 1, *residuals_of_forms(it, left=True)]
 
 
 def _meanings() -> dict[sp.Symbol, sp.Expr]:
@@ -44,10 +44,10 @@ def _meanings() -> dict[sp.Symbol, sp.Expr]:
 
 
 def _cavity_steps() -> list[Any]:
-    """One side alone fills the opening with this share of itself; below 1 just where the other is turned away."""
+    """The fraction of one side that fills the opening alone; below 1 exactly where the other side is back-facing."""
     o, m, other = _vectors()
-    share = one_side.doit().subs({gm: m[2], mu_o: o[2], om: o.dot(m)}, simultaneous=True)
-    return [share * o.dot(m) / (2 * m[2]) - o[2], (share - 1) - o.dot(other) / o.dot(m)]
+    fraction = one_side.doit().subs({gm: m[2], mu_o: o[2], om: o.dot(m)}, simultaneous=True)
+    return [fraction * o.dot(m) / (2 * m[2]) - o[2], (fraction - 1) - o.dot(other) / o.dot(m)]
 
 
 with sp.evaluate(False):
@@ -55,7 +55,7 @@ with sp.evaluate(False):
     other_side = Equation(
         key="visibility.v_cavity.opposite",
         title="the normal of the other side of a V-cavity",
-        symbol=raw("m_opposite", r"\omega_m'"),
+        symbol=printed_symbol("m_opposite", r"\omega_m'"),
         equals=2 * gm * up - normal,
         proof=_mirror_steps,
         proved_by="sympy: the same height, the opposite slopes",
@@ -80,7 +80,7 @@ with sp.evaluate(False):
         symbol=2 * gm * mu_o / facing,
         equals=1 + opposite / facing,
         where=_meanings(),
-        proof=lambda it: [*grounded(it, left=True), *_cavity_steps()],
+        proof=lambda it: [*residuals_of_forms(it, left=True), *_cavity_steps()],
         proved_by="sympy: vectors put in, for any view and any normal",
         slides=(39, 40, 58),
         cite="cook1982; heitz2014",
@@ -89,7 +89,7 @@ with sp.evaluate(False):
     G1 = Equation(
         key="visibility.v_cavity.G1",
         title="masking in a V-cavity",
-        symbol=raw("G1_v_cavity", r"G_1(\omega_o, \omega_m)"),
+        symbol=printed_symbol("G1_v_cavity", r"G_1(\omega_o, \omega_m)"),
         equals=chi(om) * sp.Min(1, one_side),
         over={om: (1e-6, 1), gm: (0, 1), mu_o: (1e-8, 1)},
         proof=lambda it: [it.equals - chi(om) * sp.Min(1, one_side), *_cavity_steps()],
@@ -101,7 +101,7 @@ with sp.evaluate(False):
     G2 = Equation(
         key="brdf.v_cavity.G2",
         title="masking and shadowing in a V-cavity",
-        symbol=raw("G2_v_cavity", r"G_2(\omega_o, \omega_i, \omega_m)"),
+        symbol=printed_symbol("G2_v_cavity", r"G_2(\omega_o, \omega_i, \omega_m)"),
         equals=chi(om) * chi(im) * sp.Min(1, 2 * gm * mu_o / om, 2 * gm * mu_i / im),
         over={om: (1e-6, 1), im: (1e-6, 1), gm: (0, 1), mu_o: (1e-8, 1), mu_i: (1e-8, 1)},
         slides=(49, 50, 58),

@@ -11,12 +11,12 @@ import sympy as sp
 from microfacet import balls
 from microfacet.balls import Ball, Enclosure
 from microfacet.geometry import beckmann
-from microfacet.notation import a, raw
+from microfacet.notation import a, printed_symbol
 from microfacet.statement import Equation, reference
 
 END = sp.Rational(8, 5)  # from here on the fit is 1
 ERROR = sp.Rational(32, 10000)
-PARTS = 10**4
+FOUR_DECIMALS = 10**4
 ABOVE = 1.5482  # from here to the end the fit is above 1
 
 
@@ -31,7 +31,7 @@ with sp.evaluate(False):
     fit = Equation(
         key="visibility.beckmann.walter",
         title="Walter's fit of Smith's masking for Beckmann, below a = 1.6",
-        symbol=raw("G1_walter", r"G_1(\omega_o, \omega_m)"),
+        symbol=printed_symbol("G1_walter", r"G_1(\omega_o, \omega_m)"),
         equals=(_C[0] * a + _C[1] * a**2) / (1 + _C[2] * a + _C[3] * a**2),
         relation=r"\approx",
         proof=lambda it: [it.equals - 1 / (1 + _fitted_Lambda())],
@@ -44,10 +44,10 @@ with sp.evaluate(False):
     error = Equation(
         key="visibility.beckmann.walter_error",
         title="how far Walter's fit is from what it fits, at most",
-        symbol=raw("walter_off", r"\left| \left(1 + \Lambda(a)\right) G_1^{\mathrm{fit}}(a) - 1 \right|"),
+        symbol=printed_symbol("walter_off", r"\left| \left(1 + \Lambda(a)\right) G_1^{\mathrm{fit}}(a) - 1 \right|"),
         equals=ERROR,
         relation="<",
-        proof=lambda it: [it.equals - sp.Rational(ceil(largest() * PARTS), PARTS)],
+        proof=lambda it: [it.equals - sp.Rational(ceil(largest() * FOUR_DECIMALS), FOUR_DECIMALS)],
         proved_by="the largest error found, rounded up to four decimals; that it is the largest, by balls",
         enclosed=lambda it: _bounded(it),
         slides=(58, 62),
@@ -57,7 +57,7 @@ with sp.evaluate(False):
     above = Equation(
         key="visibility.beckmann.walter_above",
         title="just below a = 1.6 Walter's fit shows more than there is",
-        symbol=raw("walter_fit", r"G_1^{\mathrm{fit}}(a)"),
+        symbol=printed_symbol("walter_fit", r"G_1^{\mathrm{fit}}(a)"),
         equals=sp.Integer(1),
         relation=">",
         proof=lambda it: [fit.equals.doit().subs(a, root) - it.equals for root in sp.solve(_fitted_Lambda(), a)],
