@@ -75,7 +75,7 @@ rule checked:
         "build/checked",
     priority: 1  # a statement that fails is named within the first minute or two
     params:
-        told=build.digest(inventory.statements()),
+        statements=build.digest(inventory.statements()),
     log:
         "build/logs/checked.log",
     message:
@@ -89,9 +89,9 @@ rule checked:
 
 rule measured:
     input:
-        script=build.TRIALS,
-        imports=build.imports(build.TRIALS),
-        measured=campaign.gathered(build.TRIALS),
+        script=build.SIGNIFICANCE_TESTS,
+        imports=build.imports(build.SIGNIFICANCE_TESTS),
+        measured=campaign.gathered(build.SIGNIFICANCE_TESTS),
     output:
         "build/measured.json",
     log:
@@ -101,7 +101,7 @@ rule measured:
     conda:
         "environment.yml"
     shell:
-        "python -m report.trials {output} 2> {log}"
+        "python -m report.significance_tests {output} 2> {log}"
         " && python workflow/seal.py {output} 2>> {log} || python workflow/failed.py {log} $?"
 
 
@@ -114,7 +114,7 @@ rule ledger:
     output:
         report("build/ledger.json", category="Checks"),
     params:
-        told=build.digest(inventory.statements()),
+        statements=build.digest(inventory.statements()),
     log:
         "build/logs/ledger.log",
     message:
@@ -180,7 +180,7 @@ rule figure:
         "build/figures/{name}.pdf",
         "build/figures/{name}.png",
     params:
-        caption=lambda wildcards: build.figure(wildcards.name).words,
+        caption=lambda wildcards: build.figure(wildcards.name).printed_text,
     log:
         "build/logs/figure/{name}.log",
     message:

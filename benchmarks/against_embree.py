@@ -3,8 +3,8 @@
     python -m benchmarks.against_embree [nodes per side ...]             one thread each
     MICROFACET_THREADS=2 python -m benchmarks.against_embree             two
 
-The two take turns, and the best of some runs counts: use the ratios. embreex has one thread; for more, as many processes share
-its rays. "Sorted" rays come tile by tile. False verdicts: facets that are seen but do not see back.
+Runs of the two alternate, and the best of each counts: use the ratios. embreex has one thread; for more, several processes
+share the rays. "Sorted" rays come tile by tile. False verdicts: visible facets whose shadow ray back to the viewer is blocked.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ RAYS, RUNS = 1_000_000, 7
 
 
 def best(works: list[Callable[[], object]]) -> list[float]:
-    """Million rays per second of each of some works, which take turns."""
+    """Million rays per second of each of the works, the best of alternating runs."""
     seconds = [np.inf] * len(works)
     for _ in range(RUNS):
         for k, work in enumerate(works):

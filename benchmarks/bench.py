@@ -1,11 +1,11 @@
-"""Times every method of benchmarks/rivals.py, in turns, and puts the medians on record. Nothing else writes that record.
+"""Time every method of benchmarks/rivals.py in interleaved rounds, and record the medians. Nothing else writes that record.
 
     python -m benchmarks.bench                  all quantities
     python -m benchmarks.bench sampling         only that one
     python -m benchmarks.bench --rounds 3 --largest 1000 --record try.json     quickly, into another file
 
-In a round each method runs once, so that whatever else the machine does meets all of them alike. A machine with other work
-to do gives worthless times: the load is recorded with them.
+In a round each method runs once, so that other load on the machine affects all of them alike. A loaded machine gives
+worthless times: the load is recorded with them.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ from report.datafile import put, refuse
 from benchmarks import record, rivals, yardsticks
 
 ROUNDS = 15
-LEAST = 3e-3  # seconds: a shorter call is repeated until it lasts so long, or it would be timed with cold caches
-MOST = 4.0  # seconds that all rounds of one call may last; but it has three
-GAP = 0.1  # seconds after a guest, whose threads go on turning for a while
+LEAST = 3e-3  # seconds: a shorter call is repeated for at least this long, or it would be timed with cold caches
+MOST = 4.0  # seconds that all rounds of one call may last; but at least three are run
+GAP = 0.1  # seconds after a guest, whose threads go on spinning for a while
 VERSIONS = ("numpy", "numba", "scipy", "llvmlite")
 RECORD = "records/benchmarks.json"
 
@@ -55,43 +55,43 @@ def processor() -> str:
 
 
 def commit() -> str:
-    """Of the code; the records are no part of it."""
+    """The commit of the code; changes of the records do not count."""
     return (_git("describe", "--always") or "unknown") + ("-dirty" if _git("status", "--porcelain", "--", ":!records") else "")
 
 
-def _git(*words: str) -> str:
-    return subprocess.run(["git", *words], capture_output=True, text=True, check=False).stdout.strip()
+def _git(*arguments: str) -> str:
+    return subprocess.run(["git", *arguments], capture_output=True, text=True, check=False).stdout.strip()
 
 
 # --- timing -----------------------------------------------------------------------------------------------------------------
 
 
 def jobs(quantity: str, largest: int) -> list[yardsticks.Job]:
-    """Name, size and call of everything that is timed for a quantity, but what does not fit into memory."""
-    found = []
+    """Name, size and call of everything that is timed for a quantity, except what does not fit into memory."""
+    calls = []
     for name, method in rivals.QUANTITIES[quantity].items():
         for size in sorted({min(size, largest) for size in method.sizes}) if method.each else method.sizes:
             try:
-                found.append((name, size, method.prepare(size)))
+                calls.append((name, size, method.prepare(size)))
             except MemoryError as why:
-                print(f"{quantity}: {method.words}, size {size} is left out: {why}", flush=True)
-    return found
+                print(f"{quantity}: {method.label}, size {size} is left out: {why}", flush=True)
+    return calls
 
 
 def measured(calls: list[yardsticks.Job], rounds: int) -> dict[str, dict[str, Any]]:
-    """Quartiles of the seconds that each call takes, over rounds in which each runs once; one that takes long skips some."""
+    """Quartiles of the seconds that each call takes, over rounds in which each runs once; a slow call skips some rounds."""
     plans = [plan_of(call, rounds) for _, _, call in calls]
     times: list[list[float]] = [[] for _ in calls]
-    for turn in range(rounds):
-        for (name, _, call), (count, turns), kept in zip(calls, plans, times, strict=True):
-            if turn < turns:
-                kept.append(duration(call, count))
+    for round_ in range(rounds):
+        for (name, _, call), (count, most), durations in zip(calls, plans, times, strict=True):
+            if round_ < most:
+                durations.append(duration(call, count))
                 time.sleep(GAP if any(name in guests for guests in yardsticks.GUESTS.values()) else 0)
     rows: dict[str, dict[str, Any]] = {}
-    for (name, size, _), kept in zip(calls, times, strict=True):
+    for (name, size, _), durations in zip(calls, times, strict=True):
         row = rows.setdefault(name, {"sizes": [], "seconds": []})
         row["sizes"].append(size)
-        row["seconds"].append([float(f"{value:.4g}") for value in np.percentile(kept, (25, 50, 75))])
+        row["seconds"].append([float(f"{value:.4g}") for value in np.percentile(durations, (25, 50, 75))])
     return rows
 
 
@@ -103,28 +103,28 @@ def duration(call: Callable[[], Any], count: int) -> float:
 
 
 def plan_of(call: Callable[[], Any], rounds: int) -> tuple[int, int]:
-    """How often a call is repeated in a round, and in how many rounds; the first call, which may compile, does not count."""
+    """Repetitions of a call in a round, and the number of rounds; the first call, which may compile, does not count."""
     call()
     once = max(duration(call, 1), 1e-7)
     return max(1, round(LEAST / once)), min(rounds, max(3, int(MOST / once)))
 
 
 def quantity(name: str, where: dict[str, Any], rounds: int, largest: int) -> dict[str, Any]:
-    """What goes on record of one quantity."""
-    kept: dict[str, Any] = {**where, "rounds": rounds}
+    """The record of one quantity."""
+    entry: dict[str, Any] = {**where, "rounds": rounds}
     with tempfile.TemporaryDirectory() as folder, ExitStack() as stay:
         calls, errors = jobs(name, largest), {}
         if name in yardsticks.GUESTS:
             sizes = sorted({min(size, largest) for size in next(iter(rivals.QUANTITIES[name].values())).sizes})
-            guests, kept["rivals"], errors = yardsticks.guest_jobs(name, folder, largest, stay)
+            guests, entry["rivals"], errors = yardsticks.guest_jobs(name, folder, largest, stay)
             calls += [*yardsticks.cpp_jobs(folder, name, tuple(sizes)), *guests]
         rows = measured(calls, rounds)
     for key, row in rows.items():
         method = rivals.QUANTITIES[name].get(key)
-        row["words"] = method.words if method else yardsticks.known(name)[key]
+        row["words"] = method.label if method else yardsticks.known(name)[key]
         row["fingerprint"] = method.fingerprint if method else ""
         row |= {"error": errors[key], "version": yardsticks.version(name, key)} if key in errors else {}
-    return {**kept, "rows": rows}
+    return {**entry, "rows": rows}
 
 
 def main() -> None:
@@ -141,10 +141,10 @@ def main() -> None:
     where = {"commit": commit(), "machine": machine()}  # before the first: afterwards the load would be our own
     print(f"load {where['machine']['load']:.1f} before", flush=True)
     for name in asked.names or rivals.QUANTITIES:
-        begin, found = time.perf_counter(), quantity(name, where, asked.rounds, asked.largest)
-        kept = record.read(asked.record)
-        put(asked.record, json.dumps({**kept, name: found}, indent=1, sort_keys=True) + "\n")
-        print(f"{name}: {len(found['rows'])} methods in {time.perf_counter() - begin:.0f} s", flush=True)
+        begin, result = time.perf_counter(), quantity(name, where, asked.rounds, asked.largest)
+        recorded = record.read(asked.record)
+        put(asked.record, json.dumps({**recorded, name: result}, indent=1, sort_keys=True) + "\n")
+        print(f"{name}: {len(result['rows'])} methods in {time.perf_counter() - begin:.0f} s", flush=True)
 
 
 if __name__ == "__main__":

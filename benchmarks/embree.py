@@ -1,4 +1,4 @@
-"""Embree's rays, through embreex: single precision, and one thread, so that as many processes as are asked for share them."""
+"""Embree's rays, through embreex, in single precision. It has one thread, so several processes share the rays."""
 
 from __future__ import annotations
 
@@ -31,15 +31,15 @@ def scene_of(heights: np.ndarray) -> Any:
 
 
 class Sharers:
-    """As many processes as the library has threads, each with a share of the rays, which it traces when told to."""
+    """As many processes as the library has threads, each of which traces its part of the rays on request."""
 
     def __init__(self, scene: Any, origins: np.ndarray, ways: np.ndarray) -> None:
         fork = multiprocessing.get_context("fork")
         self.ends: list[Connection] = []
         self.processes = []
-        for share in zip(np.array_split(origins, threads()), np.array_split(ways, threads()), strict=True):
+        for rays in zip(np.array_split(origins, threads()), np.array_split(ways, threads()), strict=True):
             here, there = fork.Pipe()
-            process = fork.Process(target=_answer, args=(there, scene, *share), daemon=True)
+            process = fork.Process(target=_answer, args=(there, scene, *rays), daemon=True)
             process.start()
             self.ends.append(here)
             self.processes.append(process)
@@ -63,9 +63,9 @@ def _answer(end: Connection, scene: Any, origins: np.ndarray, ways: np.ndarray) 
 
 
 def errors(task: str, scene: Any) -> np.ndarray:
-    """The shares of rays from facets whose verdict, blocked or not, is wrong if they start so many cells along their way.
+    """The fraction of rays from facets whose verdict, blocked or not, is wrong, for each of `OFFSETS` along the ray.
 
-    Not asked are those that the surface beyond the margin blocks.
+    Rays that the surface beyond the margin blocks are left out.
     """
     if task not in ("reflected_sorted", "shadow_sorted"):
         return np.zeros(0)

@@ -1,11 +1,11 @@
-"""A guest's process: evaluates a BRDF, draws normals or traces rays, from arrays in a folder, once for each line it is told.
+"""A guest's process: evaluates a BRDF, samples normals or traces rays, from arrays in a folder, once for each input line.
 
     python -m benchmarks.guest jax brdf FOLDER ALPHA_X ALPHA_Y
     python -m benchmarks.guest mitsuba brdf|ggx|beckmann FOLDER ALPHA_X ALPHA_Y
     python -m benchmarks.guest embreex primary_sorted FOLDER ALPHA_X ALPHA_Y
 
 It reads wo.npy and other.npy (lights, or random numbers; for rays, origins and directions), takes them apart into x, y and z
-if that suits it best, answers "done" to each line, and keeps what it found the first time as found.npy.
+if that suits it best, answers "done" to each line, and saves its first result as found.npy.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def jax(wo: Any, wi: Any, ax: float, ay: float) -> Callable[[], Any]:
 
 
 def mitsuba(wo: Any, wi: Any, ax: float, ay: float) -> Callable[[], Any]:
-    """Its rough conductor that reflects everything; the cosine that it multiplies by is divided out when it is looked at."""
+    """Mitsuba's rough conductor, which here reflects everything; the cosine that it contains is divided out."""
     import drjit as dr
     import mitsuba as mi
 
@@ -51,9 +51,9 @@ def mitsuba(wo: Any, wi: Any, ax: float, ay: float) -> Callable[[], Any]:
     dr.eval(view, light)
 
     def evaluate() -> Any:
-        found = dr.zeros(mi.SurfaceInteraction3f, len(wo))
-        found.wi = view
-        value = bsdf.eval(context, found, light)[0]
+        interaction = dr.zeros(mi.SurfaceInteraction3f, len(wo))
+        interaction.wi = view
+        value = bsdf.eval(context, interaction, light)[0]
         dr.eval(value)
         dr.sync_thread()
         return lambda: np.array(value) / wi[:, 2]
@@ -113,11 +113,11 @@ TASKS = {
 def main(package: str, task: str, folder: Path, ax: float, ay: float) -> None:
     wo, other = np.load(folder / "wo.npy"), np.load(folder / "other.npy")
     prepared = embree(task) if package == "embreex" else TASKS[package, task]
-    evaluate, kept = prepared(wo, other, ax, ay), folder / "found.npy"
+    evaluate, output = prepared(wo, other, ax, ay), folder / "found.npy"
     for _ in sys.stdin:
-        found = evaluate()
-        if not kept.exists():
-            np.save(kept, found() if callable(found) else found)
+        result = evaluate()
+        if not output.exists():
+            np.save(output, result() if callable(result) else result)
         print("done", flush=True)
 
 

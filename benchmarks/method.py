@@ -1,4 +1,4 @@
-"""What the rivals of all quantities share: what a method is, and how its error is told."""
+"""The definition of a method, and helpers that the rivals of all quantities share."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ LONG = np.longdouble
 
 @dataclass(frozen=True)
 class Method:
-    """One way to have a quantity.
+    """One way to compute a quantity.
 
     prepare: from a size to a call without arguments, which is timed. error: from a size to an error, by a reference of
-    higher precision. sizes: those that are timed, of arrays the last is charted. code: functions, modules and batches whose
-    texts are timed. each: whether the time is one per value. kind: methods compete with others of their kind only.
+    higher precision. sizes: those that are timed; for arrays, the last is charted. code: functions, modules and batches that
+    are timed. each: whether the time is one per value. kind: methods compete with others of their kind only.
     """
 
-    words: str
+    label: str
     prepare: Callable[[int], Callable[[], Any]]
     error: Callable[[int], float]
     sizes: tuple[int, ...]

@@ -49,7 +49,7 @@ def brdf_library(wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
     return np.asarray(BRDF.evaluate(wo, wi))
 
 
-def _brdf(words: str, method: Callable[..., Any], real: type, code: tuple[Any, ...]) -> Method:
+def _brdf(label: str, method: Callable[..., Any], real: type, code: tuple[Any, ...]) -> Method:
     def prepare(size: int) -> Callable[[], Any]:
         wo, wi = directions(size, 1, real), directions(size, 2, real)
         return lambda: method(wo, wi)
@@ -58,7 +58,7 @@ def _brdf(words: str, method: Callable[..., Any], real: type, code: tuple[Any, .
         wo, wi = directions(2000, 3, real), directions(2000, 4, real)
         return worst(method(wo, wi), brdf_numpy(wo.astype(LONG), wi.astype(LONG)))
 
-    return Method(words, prepare, error, BRDF_SIZES, code)
+    return Method(label, prepare, error, BRDF_SIZES, code)
 
 
 def brdf_of_arrays(size: int, real: type) -> mf.Microfacet:
@@ -66,7 +66,7 @@ def brdf_of_arrays(size: int, real: type) -> mf.Microfacet:
     return mf.Microfacet(mf.Smith(mf.GGX(*(np.full(size, value, real) for value in ALPHA))))
 
 
-def _brdf_of_arrays(words: str, real: type) -> Method:
+def _brdf_of_arrays(label: str, real: type) -> Method:
     def prepare(size: int) -> Callable[[], Any]:
         brdf, wo, wi = brdf_of_arrays(size, real), directions(size, 1, real), directions(size, 2, real)
         return lambda: brdf.evaluate(wo, wi)
@@ -75,7 +75,7 @@ def _brdf_of_arrays(words: str, real: type) -> Method:
         wo, wi = directions(2000, 3, real), directions(2000, 4, real)
         return worst(brdf_of_arrays(2000, real).evaluate(wo, wi), brdf_numpy(wo.astype(LONG), wi.astype(LONG)))
 
-    return Method(words, prepare, error, BRDF_SIZES, (brdf_of_arrays(1, real).evaluation[0],))
+    return Method(label, prepare, error, BRDF_SIZES, (brdf_of_arrays(1, real).evaluation[0],))
 
 
 METHODS = {

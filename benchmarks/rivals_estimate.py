@@ -185,9 +185,9 @@ def by_bound(cosine: float, wm: Vector, wo: Vector, Lambda_o: float, Lambda_i: f
 
 @dataclass(frozen=True)
 class Sampler:
-    """A way to draw normals, the distribution that it is for, what a sample weighs, and the density it should draw from."""
+    """A sampler of normals, its distribution, the weight of a sample, and the density that it should have."""
 
-    words: str
+    label: str
     ndf: type[Distribution]
     draw: Callable[..., Vector]
     weigh: Callable[..., float]
@@ -265,20 +265,20 @@ def normals(sampler: Sampler) -> Batch:
 
 # --- how good it is ---------------------------------------------------------------------------------------------------------
 
-SEEN_FROM = np.radians([20.0, 50.0, 75.0, 87.0])
+VIEW_ANGLES = np.radians([20.0, 50.0, 75.0, 87.0])
 CELLS = 48  # along each of the uniform numbers
 STENCIL = ((-2, 1 / 12), (-1, -2 / 3), (1, 2 / 3), (2, -1 / 12))
 STEP = 1e-3  # of the distance to the nearer end
 
 
 def apart(sampler: Sampler) -> float:
-    """Total variation between the density that is drawn from and the one that should be, the largest of some views.
+    """Largest total variation, over some views, between the sampled density and the one claimed.
 
-    Drawn is 1 / |dm/du1 x dm/du2|, by difference quotients, over the square of the uniform numbers.
+    The sampled density is 1 / |dm/du1 x dm/du2|, by difference quotients, over the square of the uniform numbers.
     """
     u = np.stack(np.meshgrid(*2 * [(np.arange(CELLS) + 0.5) / CELLS]), -1).reshape(-1, 2)
     model, loop = sampler.model(*ALPHA), normals(sampler)
-    return max(_apart(model, loop, sampler, spherical(theta, 0.3), u) for theta in SEEN_FROM)
+    return max(_apart(model, loop, sampler, spherical(theta, 0.3), u) for theta in VIEW_ANGLES)
 
 
 def _apart(model: mf.Smith, loop: Batch, sampler: Sampler, wo: np.ndarray, u: np.ndarray) -> float:
@@ -293,12 +293,12 @@ def _apart(model: mf.Smith, loop: Batch, sampler: Sampler, wo: np.ndarray, u: np
 
 
 def variance(sampler: Sampler, alpha: float, theta: float, batches: int = 32, each: int = 2**12) -> tuple[float, float]:
-    """Of one sample of the albedo, and its standard error, from independent batches."""
+    """Variance of one sample of the albedo, and its standard error, from independent batches."""
     model, u = sampler.model(alpha), uniform(batches * each, 11)
     views = np.broadcast_to(spherical(theta), (len(u), 3))
     weights = estimates(sampler)([views, u], model.parameters)[:, 3].reshape(batches, each)
-    found = weights.var(axis=1, ddof=1)
-    return float(found.mean()), float(found.std(ddof=1) / np.sqrt(batches))
+    variances = weights.var(axis=1, ddof=1)
+    return float(variances.mean()), float(variances.std(ddof=1) / np.sqrt(batches))
 
 
 def _method(sampler: Sampler) -> Method:
@@ -309,7 +309,7 @@ def _method(sampler: Sampler) -> Method:
         return lambda: estimates(sampler)([wo, u], model.parameters)
 
     kind = sampler.ndf.__name__
-    return Method(f"{kind}, {sampler.words}", prepare, lambda size: apart(sampler), (10**6,), (estimates(sampler),), kind=kind)
+    return Method(f"{kind}, {sampler.label}", prepare, lambda size: apart(sampler), (10**6,), (estimates(sampler),), kind=kind)
 
 
 METHODS = {name: _method(sampler) for name, sampler in SAMPLERS.items()}

@@ -29,7 +29,7 @@ def fresnel_schlick(c: np.ndarray) -> np.ndarray:
     return np.asarray(FITTED.F(c))
 
 
-def _fresnel(words: str, method: Callable[..., Any], real: type, code: tuple[Any, ...]) -> Method:
+def _fresnel(label: str, method: Callable[..., Any], real: type, code: tuple[Any, ...]) -> Method:
     def prepare(size: int) -> Callable[[], Any]:
         c = np.linspace(0, 1, size).astype(real)
         return lambda: method(c)
@@ -38,7 +38,7 @@ def _fresnel(words: str, method: Callable[..., Any], real: type, code: tuple[Any
         c = np.linspace(0, 1, 5001).astype(real)
         return worst(method(c), fresnel_numpy(c.astype(LONG)))
 
-    return Method(words, prepare, error, FRESNEL_SIZES, code)
+    return Method(label, prepare, error, FRESNEL_SIZES, code)
 
 
 def _loop_of_fresnel(kind: type) -> Batch:

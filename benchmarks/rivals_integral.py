@@ -143,9 +143,9 @@ def _width(digits: int) -> float:
     return float(found.rad()) / float(found.mid())
 
 
-def _area(words: str, method: Callable[[int], float], sizes: Sequence[int], code: tuple[Any, ...]) -> Method:
+def _area(label: str, method: Callable[[int], float], sizes: Sequence[int], code: tuple[Any, ...]) -> Method:
     return Method(
-        words,
+        label,
         lambda size: lambda: method(size),
         lambda size: float(abs(method(size) / area_exact() - 1)),
         tuple(sizes),

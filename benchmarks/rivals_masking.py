@@ -38,12 +38,12 @@ def _masking_error(method: Callable[..., Any], real: type) -> float:
     return worst(1 / (1 + np.asarray(method(a), LONG)), 1 / (1 + exact))
 
 
-def _lambda(words: str, method: Callable[..., Any], real: type, code: tuple[Any, ...]) -> Method:
+def _lambda(label: str, method: Callable[..., Any], real: type, code: tuple[Any, ...]) -> Method:
     def prepare(size: int) -> Callable[[], Any]:
         a = np.geomspace(0.01, 5, size).astype(real)
         return lambda: method(a)
 
-    return Method(words, prepare, lambda size: _masking_error(method, real), LAMBDA_SIZES, code)
+    return Method(label, prepare, lambda size: _masking_error(method, real), LAMBDA_SIZES, code)
 
 
 METHODS = {

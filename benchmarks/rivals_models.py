@@ -1,6 +1,6 @@
-"""What each of the models costs that the chooser of chapter 9 has to choose from, and what it costs to draw directions.
+"""Cost of each model that `choose` may choose in chapter 9, and of each sampler of directions.
 
-Names are those of `microfacet.enough.cost`; what is told as an error is how far the precision takes a value from double.
+Names are those of `microfacet.enough.cost`; the error is the relative difference of a value from double precision.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from microfacet.brdf import compensation, random_walk, specular
 from microfacet.enough import cost
-from microfacet.enough.candidates import Candidate, ladder
+from microfacet.enough.candidates import Candidate, candidates_for
 from microfacet.enough.scene import PRECISIONS, Scene, normals_by_name
 from microfacet.material.fresnel import Fresnel
 
@@ -39,16 +39,16 @@ def _error(one: Candidate, material: Fresnel) -> Callable[[int], float]:
 def _model(one: Candidate, material: Fresnel) -> Method:
     sizes = WALK_SIZES if one.compensation == "walk" else SIZES
     return Method(
-        one.words, lambda size: cost.evaluation(one, material, size), _error(one, material), sizes, _code(one, material)
+        one.label, lambda size: cost.evaluation(one, material, size), _error(one, material), sizes, _code(one, material)
     )
 
 
 def _sampler(sampler: str, normals: str, real: type) -> Method:
     guide = cost.guide(sampler, normals, cost.TIMED)
-    words = f"{normals_by_name()[normals].__name__}, {cost.SAMPLERS[sampler]}, {cost.precision_of(real)}"
+    label = f"{normals_by_name()[normals].__name__}, {cost.SAMPLERS[sampler]}, {cost.precision_of(real)}"
     code = (type(guide.model.ndf), guide.model.sampler or type(guide.model.ndf).sample_kernel)
     return Method(
-        words, lambda size: cost.sampling(sampler, normals, real, size), lambda size: float(np.finfo(real).eps), SIZES, code
+        label, lambda size: cost.sampling(sampler, normals, real, size), lambda size: float(np.finfo(real).eps), SIZES, code
     )
 
 
@@ -56,7 +56,7 @@ NORMALS = ("ggx", "beckmann")  # those of the models of a scene over Gaussian sl
 METHODS = {
     cost.name_of(one, material): _model(one, material)
     for material in cost.MATERIALS.values()
-    for one in ladder(Scene(0.3, normals="beckmann", fresnel=None if material.parameters == () else material))
+    for one in candidates_for(Scene(0.3, normals="beckmann", fresnel=None if material.parameters == () else material))
 } | {
     cost.sampler_name(sampler, normals, real): _sampler(sampler, normals, real)
     for sampler in cost.SAMPLERS

@@ -33,7 +33,7 @@ def normals_library(wm: np.ndarray) -> np.ndarray:
     return np.asarray(NDF.D(wm))
 
 
-def _normals(words: str, method: Callable[..., Any], real: type, code: tuple[Any, ...]) -> Method:
+def _normals(label: str, method: Callable[..., Any], real: type, code: tuple[Any, ...]) -> Method:
     def prepare(size: int) -> Callable[[], Any]:
         wm = directions(size, 1, real)
         return lambda: method(wm)
@@ -42,7 +42,7 @@ def _normals(words: str, method: Callable[..., Any], real: type, code: tuple[Any
         wm = directions(2000, 3, real)
         return worst(method(wm), normals_numpy(wm.astype(LONG)))
 
-    return Method(words, prepare, error, (4 * 10**6,), code)
+    return Method(label, prepare, error, (4 * 10**6,), code)
 
 
 LOOP = (slopes._over_normals(type(NDF).kernel),)

@@ -64,7 +64,7 @@ def _method(sampler: Sampler) -> Method:
         normal = np.resize(normal, (size, 3))
         return lambda: shading(sampler)([normal, u], parameters)
 
-    return Method(f"{sampler.words}, a sample of a pixel", prepare, lambda size: np.nan, (10**6,), (shading(sampler),))
+    return Method(f"{sampler.label}, a sample of a pixel", prepare, lambda size: np.nan, (10**6,), (shading(sampler),))
 
 
-METHODS = {name: _method(SAMPLERS[kept]) for name, kept in {"normals": "normals", "visible": "caps"}.items()}
+METHODS = {name: _method(SAMPLERS[sampler]) for name, sampler in {"normals": "normals", "visible": "caps"}.items()}

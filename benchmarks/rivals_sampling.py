@@ -68,7 +68,7 @@ def _caps_error(method: Callable[..., Any], real: type) -> float:
     return float(np.max(np.sqrt(np.sum((np.asarray(method(wo, u), LONG) - exact) ** 2, -1))))
 
 
-def _samples(words: str, method: Callable[..., Any], real: type, error: Callable[[], float], code: tuple[Any, ...]) -> Method:
+def _samples(label: str, method: Callable[..., Any], real: type, error: Callable[[], float], code: tuple[Any, ...]) -> Method:
     def prepare(size: int) -> Callable[[], Any]:
         wo, u = directions(size, 5, real), uniform(size, 6, real)
         if method is caps_numpy:
@@ -76,7 +76,7 @@ def _samples(words: str, method: Callable[..., Any], real: type, error: Callable
         out = np.empty_like(wo)  # as the loops in C++ have it: fresh memory costs as much as a sample of GGX
         return lambda: method(wo, u, out)
 
-    return Method(words, prepare, lambda size: error(), SAMPLE_SIZES, code, kind=words.split(",")[0])
+    return Method(label, prepare, lambda size: error(), SAMPLE_SIZES, code, kind=label.split(",")[0])
 
 
 def _loop_of(model: Any) -> Batch:

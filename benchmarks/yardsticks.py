@@ -1,7 +1,7 @@
 """What the BRDF, samples of it and rays are compared with from outside: loops in C++, and guests, timed if installed.
 
 A guest (jax, Mitsuba, Embree) runs in a process of its own, guest.py, so that its threads and its faults stay there. All are
-in the optional extra `bench`. One that is absent, or cannot start, has a sentence on record in place of times; nothing fails.
+in the optional extra `bench`. A guest that is absent or cannot start has a sentence on record in place of times.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ SIZES = (10**6, 4 * 10**6)  # of arrays for guests: what starts a call from anot
 class Entry(NamedTuple):
     """A guest: words, the package it is in, the precision of its arrays, what it does there, and with how many values."""
 
-    words: str
+    label: str
     package: str
     real: type
     task: str
@@ -84,7 +84,7 @@ GUESTS = {  # quantity -> name on record -> guest
         f"embree_{task}": Entry(f"rays {words}, Embree", "embreex", np.float32, task, RAYS) for task, words in TASKS.items()
     },
 }
-START = 120  # seconds after which a guest that has said nothing is sent away
+START = 120  # seconds after which a silent guest is ended
 
 Job = tuple[str, int, Callable[[], Any]]
 
@@ -130,7 +130,7 @@ def in_cpp(function: Any, quantity: str, size: int) -> Callable[[], Any]:
 
 
 def cpp_jobs(folder: str, quantity: str, sizes: tuple[int, ...]) -> list[Job]:
-    """None without a compiler, or where there is no loop."""
+    """The jobs of the C++ loops; none without a compiler, or for a quantity without a loop."""
     if quantity not in LOOPS or not shutil.which("g++"):
         return []
     loops = {name: compiled(folder, name, flags, quantity) for name, (_, flags) in FLAGS.items()}
@@ -141,11 +141,11 @@ def cpp_jobs(folder: str, quantity: str, sizes: tuple[int, ...]) -> list[Job]:
 
 
 class Refused(Exception):
-    """A guest that cannot be timed, and why, in words."""
+    """A guest that cannot be timed, and the reason."""
 
 
 class Guest:
-    """A process that evaluates arrays kept in a folder whenever it is told to."""
+    """A process that evaluates arrays from a folder at each call."""
 
     def __init__(self, quantity: str, name: str, folder: str, size: int) -> None:
         self.entry = GUESTS[quantity][name]
@@ -179,19 +179,19 @@ class Guest:
             raise Refused(f"installed, but it ended with status {code}: {errors[-1][:100]}")
 
     def leave(self) -> None:
-        """End the process, and what it keeps in memory."""
+        """End the process and free its memory."""
         assert self.process.stdin
         self.process.stdin.close()
         self.process.wait(START)
 
     def error(self) -> float | list[float] | None:
-        """Largest error of what it found, over the first few values: relative, or of Beckmann's normals in probability.
+        """Largest error of its result, over the first few values: relative, or of Beckmann's normals in probability.
 
-        For rays, the shares of wrong verdicts, for each offset. None for normals of GGX: there is more than one way to send
+        For rays, the fractions of wrong verdicts, for each offset. None for normals of GGX: there is more than one way to send
         numbers to them.
         """
         if self.entry.package == "embreex":
-            return [float(f"{share:.4g}") for share in np.load(self.files / "found.npy")]
+            return [float(f"{fraction:.4g}") for fraction in np.load(self.files / "found.npy")]
         arrays = [np.load(self.files / f"{file}.npy")[:2000] for file in ("wo", "other", "found")]
         wo, other, found = (array.astype(np.longdouble) for array in arrays)
         if self.entry.task == "ggx":
@@ -203,7 +203,7 @@ class Guest:
 
 
 def guest_jobs(quantity: str, folder: str, largest: int, stay: ExitStack) -> tuple[list[Job], dict[str, str], dict[str, Any]]:
-    """The calls of the guests that are there, why the others are not, and the errors of those that are; they go with `stay`."""
+    """Calls of the available guests, reasons for the others, and errors of the available ones; `stay` ends their processes."""
     jobs: list[Job] = []
     refused: dict[str, str] = {}
     errors: dict[str, Any] = {}
@@ -221,9 +221,9 @@ def guest_jobs(quantity: str, folder: str, largest: int, stay: ExitStack) -> tup
 
 
 def known(quantity: str) -> dict[str, str]:
-    """Everything that a quantity may be compared with: name on record -> words."""
-    return {name: words for name, (words, _) in FLAGS.items() if quantity in LOOPS} | {
-        name: guest.words for name, guest in GUESTS.get(quantity, {}).items()
+    """Everything that a quantity may be compared with: name on record -> label."""
+    return {name: label for name, (label, _) in FLAGS.items() if quantity in LOOPS} | {
+        name: guest.label for name, guest in GUESTS.get(quantity, {}).items()
     }
 
 

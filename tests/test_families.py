@@ -18,7 +18,7 @@ from microfacet.enough.scene import normals_by_name
 from microfacet.families import families, key_of, of_alpha
 from microfacet.geometry.slopes import Distribution
 from microfacet.material.fresnel import Fresnel
-from microfacet.validation import trust
+from microfacet.validation import accuracy_table
 from microfacet.visibility.masking import Masking
 from report import tables
 
@@ -28,11 +28,11 @@ README = (ROOT / "README.md").read_text("utf-8")
 OUTSIDE = """
 import json
 from microfacet.families import families
-from microfacet.enough.candidates import ladder, maskings
+from microfacet.enough.candidates import candidates_for, maskings
 from microfacet.enough.scene import Scene, normals_by_name
 from microfacet.material.fresnel import Fresnel
 from microfacet.statement import Equation
-from microfacet.validation import trust
+from microfacet.validation import accuracy_table
 from report import quantifiers, tables
 import sympy
 
@@ -53,9 +53,9 @@ print(json.dumps({
     "table 1": [kind.__name__ for kind in tables.distributions()],
     "table 2": [*tables.maskings()],
     "proved": quantifiers.quantifiers()["steep"].brief,
-    "trust": [kind.__name__ for kind in trust.stated_families()],
+    "trust": [kind.__name__ for kind in accuracy_table.stated_families()],
     "chooser": [*normals_by_name()],
-    "candidates": sorted({(one.normals, one.masking) for one in ladder(scene)}),
+    "candidates": sorted({(one.normals, one.masking) for one in candidates_for(scene)}),
     "told": str(scene),
     "walk": mf.RandomWalk(mf.Smith(Twin(0.3))).single is not None,
     "fresnel": [kind.__name__ for kind in families(Fresnel)],
@@ -128,7 +128,7 @@ def test_the_library_has_its_families_in_every_list() -> None:
     assert {kind.__name__ for kind in normals_by_name().values()} >= ndfs - {"BlinnPhong", "NormalizedBlinnPhong"}
     assert {kind.label for kind in families(Masking)} <= tables.maskings().keys()
     assert {"implicit", "v_cavity"} <= maskings().keys()
-    assert [kind.__name__ for kind in trust.stated_families()][:2] == ["GGX", "Beckmann"]
+    assert [kind.__name__ for kind in accuracy_table.stated_families()][:2] == ["GGX", "Beckmann"]
     assert mf.Conductor in families(Fresnel)
 
 

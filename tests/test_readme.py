@@ -42,9 +42,9 @@ def test_pictures_are_small() -> None:
 @pytest.mark.slow
 def test_digits_to_trust_are_those_that_are_found() -> None:
     """Rounded down; in the last place processors may differ."""
-    from microfacet.validation import trust
+    from microfacet.validation import accuracy_table
 
-    for found in (trust.digits_to_trust(), trust.further_digits()):
+    for found in (accuracy_table.digits_by_part(), accuracy_table.further_digits()):
         assert_printed(found)
 
 

@@ -1,4 +1,4 @@
-"""What the Snakefile asks: inputs, parameters and targets, looked up in the inventory."""
+"""Inputs, parameters and targets for the Snakefile, from the inventory."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ import provenance
 import typeset
 
 ENDINGS = (".svg", ".pdf", ".png")
-TRIALS = Path("lib/report/trials.py")
+SIGNIFICANCE_TESTS = Path("lib/report/significance_tests.py")
 VERSIONS = "requirements.lock"
 ONE_OF_EACH = (
     "build/checked",
@@ -46,11 +46,11 @@ def settle_environment() -> None:
 
 
 def repeat_failures(logs: Iterable[str]) -> None:
-    """At the end what was said minutes ago: which jobs failed, each with the sentence that says why."""
-    told = "".join(Path(log).read_text("utf-8", errors="replace") for log in logs)
-    statuses = dict(re.findall(r"^Command '.*? 2> (\S+) .*' returned non-zero exit status (\d+)\.$", told, re.M))
-    for name in dict.fromkeys(re.findall(r"^    log: (\S+)", told, re.M)):
-        print(failed.words(Path(name), int(statuses.get(name, 1))).splitlines()[0], file=sys.stderr)
+    """Repeat at the end which jobs failed, each with the sentence that says why."""
+    output = "".join(Path(log).read_text("utf-8", errors="replace") for log in logs)
+    statuses = dict(re.findall(r"^Command '.*? 2> (\S+) .*' returned non-zero exit status (\d+)\.$", output, re.M))
+    for name in dict.fromkeys(re.findall(r"^    log: (\S+)", output, re.M)):
+        print(failed.message(Path(name), int(statuses.get(name, 1))).splitlines()[0], file=sys.stderr)
 
 
 def digest(value: object) -> str:
@@ -78,12 +78,12 @@ def products() -> list[str]:
 def groups() -> dict[str, list[str]]:
     """Statements that are checked by one process, those of a stage: starting takes longer than most checks.
 
-    What was kept of a statement that has not changed is not checked again.
+    Statements that have not changed are not checked again: their results are cached.
     """
-    found: dict[str, list[str]] = {}
+    keys_by_stage: dict[str, list[str]] = {}
     for key in inventory.statements():
-        found.setdefault(inventory.stage(key), []).append(key)
-    return found
+        keys_by_stage.setdefault(inventory.stage(key), []).append(key)
+    return keys_by_stage
 
 
 def group(stem: str) -> list[str]:
@@ -95,8 +95,8 @@ def fingerprints(stem: str) -> list[str]:
 
 
 def figure(name: str) -> inventory.Figure:
-    found = inventory.figures().get(name)
-    return found or inventory.stop(inventory.unknown("figure", name, inventory.figures()))
+    one = inventory.figures().get(name)
+    return one or inventory.stop(inventory.unknown("figure", name, inventory.figures()))
 
 
 @cache
@@ -154,7 +154,7 @@ def refuse_unknown(arguments: list[str], rules: Iterable[str]) -> None:
 
 
 def asked_for(arguments: list[str]) -> list[str]:
-    """The targets among the words of a snakemake command line; none in a cluster's job, which is told what to do otherwise."""
+    """The targets among the words of a snakemake command line; none in a cluster's job, which names them in another way."""
     if "--target-jobs" in arguments or all(word.startswith("-") for word in arguments):
         return []
     from snakemake.cli import get_argument_parser
@@ -196,18 +196,18 @@ def chapter_imports(stem: str) -> list[str]:
 
 
 def chapter_names(stem: str) -> str:
-    """Changes with what the named statements and captions say, not with how a figure is drawn."""
+    """Changes with the text of the named statements and captions, not with the drawing of a figure."""
     statements, figures = inventory.statements(), inventory.figures()
     latex = {key: statements.get(key, {}).get("latex") for key in text(stem).named("equation")}
-    captions = {name: figures[name].words for name in text(stem).named("figure") if name in figures}
+    captions = {name: figures[name].printed_text for name in text(stem).named("figure") if name in figures}
     models = [figure.model for figure in figures.values()] if "models_of_light" in text(stem).calls else []
     return digest([latex, captions, models])
 
 
 def report_tools(form: str) -> list[str]:
-    """What sets the report: its script, and what the templates read for this form."""
-    shared = ["template.typ", "shared.typ", "page.typ", "web.typ"]
-    return tools("typeset.py") + [f"workflow/{name}" for name in shared + (["web.css", "web.js"] if form == "html" else [])]
+    """The sources of typesetting: the script, and the templates for this form."""
+    templates = ["template.typ", "shared.typ", "page.typ", "web.typ"]
+    return tools("typeset.py") + [f"workflow/{name}" for name in templates + (["web.css", "web.js"] if form == "html" else [])]
 
 
 def source_options() -> str:

@@ -100,9 +100,9 @@ def guess(column: list[object]) -> str:
 
 
 def models_of_light(*, caption: str, label: str) -> Markdown:
-    """Every figure with light in it that a chapter shows: which model its script says it used, and why that was enough."""
-    shown = dict.fromkeys(name for chapter in inventory.chapters().values() for name in chapter.named("figure"))
-    rows = [(name, *one.model) for name in shown if (one := inventory.figures()[name]).model]
+    """Every figure with light in it that a chapter shows: the model that its script names, and why that was enough."""
+    in_chapters = dict.fromkeys(name for chapter in inventory.chapters().values() for name in chapter.named("figure"))
+    rows = [(name, *one.model) for name in in_chapters if (one := inventory.figures()[name]).model]
     lines = [f"| [@fig:{name}] | {cell_text(which)} | {cell_text(why)} |" for name, which, why in rows]
     head = [
         "| Figure | Model | Enough, because |",
@@ -122,9 +122,9 @@ EQUATIONS = {
 }
 
 
-def verdicts(found: Mapping[str, Any], equations: Sequence[str], *, caption: str, label: str) -> Markdown:
-    """One row a model, by name; for each of the validation equations its verdict and how far off it is."""
-    rows = [[name, *(verdict_text(verdicts[e]) for e in equations)] for name, verdicts in found.items()]
+def verdicts(validations: Mapping[str, Any], equations: Sequence[str], *, caption: str, label: str) -> Markdown:
+    """One row per model, by name; for each of the validation equations its verdict and residual."""
+    rows = [[name, *(verdict_text(verdicts[e]) for e in equations)] for name, verdicts in validations.items()]
     headers = ["Model", *(EQUATIONS[e] for e in equations)]
     return table(rows, headers, caption=caption, label=label, align="l" + "r" * len(equations))
 

@@ -26,17 +26,17 @@ LONGEST_CELL = 4
 def complaints(path: Path) -> list[str]:
     """What the build would lose without a word, and what our own rules forbid, by line."""
     text = inventory.text_of(path)
-    found = [(m.start(), f"the directive {{{m[1]}}} is not {{code-cell}}") for m in DIRECTIVE.finditer(text)
+    faults = [(m.start(), f"the directive {{{m[1]}}} is not {{code-cell}}") for m in DIRECTIVE.finditer(text)
              if m[1] != "code-cell"]  # fmt: skip
-    found += [(at, f"{what} is never closed") for at, what in fences.unclosed(text)]
-    found += [(m.start(), f"a cell is fenced by ```, not by {m[1]}") for m in CELL_FENCE.finditer(text)]
-    found += [(m.start(), f"the role {m[0]} would be printed as it stands") for m in ROLE.finditer(text)]
+    faults += [(at, f"{what} is never closed") for at, what in fences.unclosed(text)]
+    faults += [(m.start(), f"a cell is fenced by ```, not by {m[1]}") for m in CELL_FENCE.finditer(text)]
+    faults += [(m.start(), f"the role {m[0]} would be printed as it stands") for m in ROLE.finditer(text)]
     prose = re.sub(inventory.CELL, blank, text)
-    found += [(m.start(), "an inline value with braces of its own would be printed as it stands; give it a name in a cell")
+    faults += [(m.start(), "an inline value with braces of its own would be printed as it stands; give it a name in a cell")
               for m in re.finditer(r"\{\{", re.sub(inventory.INLINE, blank, prose))]  # fmt: skip
     lengths = [(m.start(), len(inventory.code_of(m[1]).strip().splitlines())) for m in inventory.CELL.finditer(text)]
-    found += [(at, f"a cell of {n} lines; at most {LONGEST_CELL} are allowed") for at, n in lengths if n > LONGEST_CELL]
-    return [f"{path}, line {line_at(text, place)}: {what}." for place, what in sorted(found)]
+    faults += [(at, f"a cell of {n} lines; at most {LONGEST_CELL} are allowed") for at, n in lengths if n > LONGEST_CELL]
+    return [f"{path}, line {line_at(text, place)}: {what}." for place, what in sorted(faults)]
 
 
 def blank(match: re.Match[str]) -> str:

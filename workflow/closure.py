@@ -125,13 +125,13 @@ def from_module(module: str, name: str = "") -> set[str]:
 def computes_imports(module: str, name: str) -> bool:
     """Follow the definitions inside the module from `name` (from all of it where there is none)."""
     used = uses(module)
-    queue, seen = [name] if name else list(used), set[str]()
+    queue, visited = [name] if name else list(used), set[str]()
     while queue:
         one = queue.pop()
         if one in COMPUTED_IMPORTS:
             return True
-        if one not in seen:
-            seen.add(one)
+        if one not in visited:
+            visited.add(one)
             queue += used.get(one, set())
     return False
 
@@ -178,7 +178,7 @@ class Imports(ast.NodeVisitor):
 
     def __init__(self, module: str = "", is_package: bool = False) -> None:
         self.parent = module if is_package else module.rpartition(".")[0]
-        self.found: set[str] = set()
+        self.modules: set[str] = set()
         self.late: dict[str, set[str]] = {}
         self.bound: dict[str, str] = {}
         self.others: set[str] = set()
@@ -202,7 +202,7 @@ class Imports(ast.NodeVisitor):
         if self.inside:
             self.late.setdefault(self.inside, set()).update(modules)
         else:
-            self.found |= modules
+            self.modules |= modules
 
     def visit_Import(self, node: ast.Import) -> None:
         for alias in node.names:
@@ -237,13 +237,13 @@ class Imports(ast.NodeVisitor):
             chain.append(inner.attr)
             inner = inner.value
         if isinstance(inner, ast.Name) and inner.id in self.bound:
-            self.found |= needed(self.bound[inner.id], chain[::-1])
+            self.modules |= needed(self.bound[inner.id], chain[::-1])
         else:
             self.generic_visit(node)
 
     def visit_Name(self, node: ast.Name) -> None:
         if node.id in self.bound:
-            self.found.add("*")
+            self.modules.add("*")
 
 
 def imports_of(tree: ast.Module, module: str = "", is_package: bool = False) -> Imports:
@@ -259,7 +259,7 @@ def imported_files(module: str) -> Iterator[Path]:
     """The file of a module and of every package it sits in (they run when it is imported).
 
     Without the package's own `__init__`: it only opens doors, and the doors are followed here, so
-    a name added to its table changes nothing for who does not use it.
+    a name added to its table changes nothing for modules that do not use it.
     """
     parts = module.split(".")
     for length in range(2, len(parts) + 1):
@@ -286,17 +286,17 @@ def module_names(module: str) -> frozenset[str]:
 def of_source(source: str, folder: Path | None = None) -> frozenset[Path]:
     """Every file of the checkout that this source imports, directly or not.
 
-    To read the whole library takes seconds, so answers are kept, by what they depend on.
+    To read the whole library takes seconds, so answers are cached, by their dependencies.
     """
     beside = digest_of(folder.glob("*.py")) if folder else ""
-    kept = KEPT / f"{digest(source, *(digest_of(whole_package(name)) for name in PACKAGES), beside)}.json"
+    cache_file = KEPT / f"{digest(source, *(digest_of(whole_package(name)) for name in PACKAGES), beside)}.json"
     from microfacet.files import keep, recall
 
-    known = recall(kept)
+    known = recall(cache_file)
     if known is None:
         known = sorted(map(str, read_through(source, folder)))
         with suppress(OSError, ValueError):  # then it is read again
-            keep(kept, known)
+            keep(cache_file, known)
     return frozenset(map(Path, known))
 
 
@@ -316,7 +316,7 @@ def digest(*parts: str) -> str:
 def read_through(source: str, folder: Path | None) -> frozenset[Path]:
     tree = parsed(source)
     imports = imports_of(tree)
-    files, modules, names = set(siblings(imports, folder)), set(imports.found).union(*imports.late.values()), names_in(tree)
+    files, modules, names = set(siblings(imports, folder)), set(imports.modules).union(*imports.late.values()), names_in(tree)
     for path in list(files):
         files |= of_source(path.read_text("utf-8"), folder)
         names |= names_in(tree_of(path))
@@ -325,15 +325,15 @@ def read_through(source: str, folder: Path | None) -> frozenset[Path]:
 
 def followed(modules: set[str], names: set[str]) -> set[Path]:
     """The files of modules and of what they import; `names` are those used so far, and grow with each module."""
-    seen: set[str] = set()
-    while rest := modules - seen - {"*"}:
-        seen |= rest
+    visited: set[str] = set()
+    while rest := modules - visited - {"*"}:
+        visited |= rest
         names = names.union(*map(module_names, rest))
-        modules = modules.union(*(module_imports(module).found for module in rest))
-        for module in seen:
+        modules = modules.union(*(module_imports(module).modules for module in rest))
+        for module in visited:
             late = module_imports(module).late
             modules |= set[str]().union(*(late[name] for name in late.keys() & names | {n for n in late if n.startswith("__")}))
-    files = {file for module in seen for file in imported_files(module)}
+    files = {file for module in visited for file in imported_files(module)}
     return files | whole_package() if "*" in modules else files
 
 

@@ -1,6 +1,6 @@
-"""What a person is told at once of a job that failed: what it said, or of a traceback the last line, or which signal ended it.
+"""The message about a failed job: its output, or the last line of a traceback, or the signal that ended it.
 
-python workflow/failed.py build/logs/gate.log 1        the log, and the exit status, which stays
+python workflow/failed.py build/logs/gate.log 1        the log, and the exit status, which is passed on
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 
-def words(log: Path, status: int) -> str:
+def message(log: Path, status: int) -> str:
     text = log.read_text("utf-8", errors="replace").strip() if log.exists() else ""
     if status > 128:
         return f"{log}: the job was killed ({signal.Signals(status - 128).name}); start the build again"
@@ -21,5 +21,5 @@ def words(log: Path, status: int) -> str:
 
 if __name__ == "__main__":
     log, status = Path(sys.argv[1]), int(sys.argv[2])
-    print(words(log, status), file=sys.stderr)
+    print(message(log, status), file=sys.stderr)
     sys.exit(status)

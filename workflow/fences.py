@@ -20,10 +20,10 @@ def unclosed(text: str) -> Iterator[tuple[int, str]]:
     for at, line in lines(text):
         if code[1]:
             code = code if not closes(line, code[1]) else (0, "")
-        elif found := CODE.match(line):
-            code = at, found[1]
-        elif found := DIV.match(line):
-            boxes = [*boxes, (at, found[1])] if found[2].strip(" :") else boxes[:-1]
+        elif match := CODE.match(line):
+            code = at, match[1]
+        elif match := DIV.match(line):
+            boxes = [*boxes, (at, match[1])] if match[2].strip(" :") else boxes[:-1]
         else:
             for sign in FORMULA.finditer(INLINE_CODE.sub(lambda m: " " * len(m[0]), line)):
                 formula = (0, "") if formula[1] else (at + sign.start(), "$$")

@@ -1,4 +1,4 @@
-"""What stands guard while a build starts: one build at a time, and nothing in build/ but what its jobs put there."""
+"""The guard at the start of a build: one build at a time, and nothing in build/ but the output of its jobs."""
 
 from __future__ import annotations
 
@@ -17,42 +17,42 @@ import seal
 LOCK = Path(".snakemake/turn")
 UNFINISHED = Path(".snakemake/incomplete")
 REPORTS = (Path("build/report.pdf"), Path("build/report.html"))
-LOOKING = (
+INSPECTING = (
     *("dryrun", "lint", "report", "list_rules", "list_target_rules", "summary", "detailed_summary", "dag", "rulegraph"),
     *("filegraph", "d3dag", "unlock", "touch", "archive", "containerize", "delete_all_output", "delete_temp_output"),
     *("cleanup_metadata", "cleanup_shadow", "generate_unit_tests", "list_changes", "list_input_changes"),
     *("list_params_changes", "list_untracked", "print_compilation", "list_conda_envs", "conda_cleanup_envs"),
     *("conda_create_envs_only", "container_cleanup_images"),
 )
-NAMED = 8
+MOST_NAMED = 8
 held: list[Any] = []
 
 
-def builds(words: Sequence[str]) -> bool:
-    """Whether a snakemake command line asks for files to be made, not for a look at what would be."""
-    options = [word for word in words if word.startswith("-")]
+def builds(arguments: Sequence[str]) -> bool:
+    """Whether a snakemake command line makes files, rather than lists what it would make."""
+    options = [word for word in arguments if word.startswith("-")]
     if not options or {"-n", "--dry-run", "--dryrun", "--lint"} & set(options):
         return not options
     from snakemake.cli import get_argument_parser  # half a second
 
-    asked = get_argument_parser().parse_known_args(list(words))[0]
-    return not any(getattr(asked, name, None) for name in LOOKING)
+    asked = get_argument_parser().parse_known_args(list(arguments))[0]
+    return not any(getattr(asked, name, None) for name in INSPECTING)
 
 
-def begin(words: Sequence[str]) -> bool:
-    """Refuse to run beside another build; from here on a fault of the sources takes the old report away.
+def begin(arguments: Sequence[str]) -> bool:
+    """Refuse to run beside another build; from here on a fault in the sources deletes the old report.
 
     True if files are to be made.
     """
-    building = builds(words)
-    if "--lint" not in words:
-        take_turn()
+    building = builds(arguments)
+    if "--lint" not in arguments:
+        take_lock()
     inventory.withdrawn.extend(REPORTS if building else ())
     refuse_broken_package()
     return building
 
 
-def take_turn() -> None:
+def take_lock() -> None:
     """One build at a time in one checkout; the system frees the lock when a build is killed."""
     LOCK.parent.mkdir(exist_ok=True)
     handle = LOCK.open("w")
@@ -64,7 +64,7 @@ def take_turn() -> None:
 
 
 def refuse_broken_package() -> None:
-    """The build itself writes its files with the library."""
+    """Stop if the library cannot be imported: the build writes its files with it."""
     try:
         import microfacet.files  # noqa: F401
     except Exception as error:
@@ -72,13 +72,13 @@ def refuse_broken_package() -> None:
 
 
 def compare(products: Iterable[str], building: bool) -> None:
-    """Name what is torn, altered or unfinished, so that snakemake makes it again; such a report is taken away at once."""
+    """Name files that are torn, altered or unfinished, so that snakemake makes them again; such a report is deleted at once."""
     paths = sorted({*map(Path, products), *seal.sealed()})
     refuse_what_is_no_file(paths)
     torn = [path for path in seal.broken(paths) if not measured(path, building)]
     if not torn:
         return
-    names = ", ".join(map(str, torn[:NAMED])) + (f" and {len(torn) - NAMED} more" if len(torn) > NAMED else "")
+    names = ", ".join(map(str, torn[:MOST_NAMED])) + (f" and {len(torn) - MOST_NAMED} more" if len(torn) > MOST_NAMED else "")
     are = "is not what its job made" if len(torn) == 1 else "are not what their jobs made"
     print(f"{names}: {are} (torn, altered or unfinished), to be made again.", file=sys.stderr)
     for path in torn:
@@ -88,7 +88,7 @@ def compare(products: Iterable[str], building: bool) -> None:
 
 
 def mark_unfinished(path: Path) -> None:
-    """As snakemake marks what a killed job leaves: unlike a file that is gone, it is made again though nothing misses it."""
+    """Mark a file as snakemake marks the output of a killed job: it is then made again even if no other job needs it."""
     name = base64.urlsafe_b64encode(str(path).encode()).decode()
     inventory.write_atomically(UNFINISHED / name, json.dumps({"external_jobid": None}))
 
@@ -104,7 +104,7 @@ def refuse_what_is_no_file(paths: Iterable[Path]) -> None:
 
 
 def measured(path: Path, building: bool) -> bool:
-    """Whether a range of surfaces that came without its seal is whole by the digest in it; hours may have gone into it."""
+    """Whether a range of surfaces without a seal is whole by the digest inside it; it may have taken hours."""
     if path.parent.parent != Path(campaign.FOLDER) or seal.read(path) is not None:
         return False
     from report.datafile import intact

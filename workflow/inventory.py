@@ -91,22 +91,22 @@ def write_atomically(path: Path, content: bytes | str) -> None:
 def statements() -> dict[str, dict[str, Any]]:
     """Every statement of the library: fingerprint, title, slides, citation and LaTeX by key.
 
-    Importing sympy and all statements takes over a second, so the answer is kept beside a digest
-    of the library's sources and asked for again only when one of them changed.
+    Importing sympy and all statements takes over a second, so the answer is cached with a digest
+    of the library's sources and computed again only when one of them changed.
     """
     from microfacet.files import keep, recall
 
     source = digest_of_library()
-    kept = recall(CACHE)
-    if kept is None or kept["source"] != source:
-        kept = {"source": source, "statements": ask_library()}
+    cached = recall(CACHE)
+    if cached is None or cached["source"] != source:
+        cached = {"source": source, "statements": ask_library()}
         with suppress(OSError, ValueError):  # then it is asked again
-            keep(CACHE, kept)
-    return dict(kept["statements"])
+            keep(CACHE, cached)
+    return dict(cached["statements"])
 
 
 def stage(key: str) -> str:
-    """What statements are checked together with: the first word of a key."""
+    """The stage, whose statements are checked together: the first word of a key."""
     return key.partition(".")[0]
 
 
@@ -172,8 +172,8 @@ class Figure:
         return [f"build/data/{self.name}.npz"] if self.data_script else []
 
     @property
-    def words(self) -> str:
-        """All that a chapter prints of it beside the drawing."""
+    def printed_text(self) -> str:
+        """The text that a chapter prints with the drawing."""
         slides = ", ".join(map(str, self.slides))
         return f"{self.title} {self.caption} (slides {slides}) {self.moving}".strip()
 
@@ -185,15 +185,15 @@ class Figure:
 @cache
 def figures() -> dict[str, Figure]:
     """All figures by name. A script under figures/ that states SLIDES is a figure."""
-    found: dict[str, Figure] = {}
+    by_name: dict[str, Figure] = {}
     for script in sorted(Path("figures").glob("*/*.py")):
         figure = read_figure(script)
         if figure is None:
             continue
-        if figure.name in found:
-            fault(f"Two figures are called {figure.name!r}: {found[figure.name].script} and {script}.")
-        found[figure.name] = figure
-    return found
+        if figure.name in by_name:
+            fault(f"Two figures are called {figure.name!r}: {by_name[figure.name].script} and {script}.")
+        by_name[figure.name] = figure
+    return by_name
 
 
 def read_figure(script: Path) -> Figure | None:
@@ -210,12 +210,12 @@ def read_figure(script: Path) -> Figure | None:
     if not title.strip():
         fault(f"{script} has no docstring: its first line is the first sentence of the caption.")
     moves = any(isinstance(node, ast.FunctionDef) and node.name == "move" for node in tree.body)
-    model = words_in(models[0], script) if models else ()
+    model = model_in(models[0], script) if models else ()
     return Figure(script.stem, script, title.strip(), " ".join(rest.split()), numbers_in(slides[0], script), moves, model)
 
 
 def constants(tree: ast.Module, name: str) -> list[ast.expr]:
-    """What a script assigns to a name at its top level."""
+    """The values that a script assigns to a name at its top level."""
     return [
         node.value
         for node in tree.body
@@ -223,15 +223,15 @@ def constants(tree: ast.Module, name: str) -> list[ast.expr]:
     ]
 
 
-def words_in(node: ast.expr, script: Path) -> tuple[str, ...]:
+def model_in(node: ast.expr, script: Path) -> tuple[str, ...]:
     """MODEL is written as two strings: which, and why."""
     try:
-        words = ast.literal_eval(node)
+        model = ast.literal_eval(node)
     except ValueError:
-        words = None
-    if not (isinstance(words, tuple) and len(words) == 2 and all(isinstance(word, str) for word in words)):
+        model = None
+    if not (isinstance(model, tuple) and len(model) == 2 and all(isinstance(word, str) for word in model)):
         fault(f"{script}: MODEL is two strings: which model of light, and why that was enough.")
-    return words
+    return model
 
 
 def numbers_in(node: ast.expr, script: Path) -> tuple[int, ...]:
@@ -288,7 +288,7 @@ def order(stem: str) -> int:
 
 
 def body_of(text: str) -> str:
-    """A chapter without its front matter, which only tells editors which kernel to start."""
+    """A chapter without its front matter, which only names the kernel for editors."""
     return FRONT.sub("", text)
 
 

@@ -23,7 +23,7 @@ KINDS = ("symbolic", "enclosed", "numeric", "measured")
 
 
 def record_of(path: Path) -> dict[str, Any]:
-    """What a record holds by name; one that is missing, torn or empty stops the build."""
+    """The contents of a record by name; one that is missing, torn or empty stops the build."""
     try:
         record = json.loads(path.read_text("utf-8"))
     except (OSError, ValueError, RecursionError):
@@ -35,44 +35,48 @@ def record_of(path: Path) -> dict[str, Any]:
 
 
 def checked(folder: Path, out: Path, *reports: Path) -> None:
-    """What failed is said at once: the ledger waits for what is measured on surfaces, which takes minutes."""
+    """Report failures at once: the ledger waits for the significance tests on surfaces, which take minutes."""
     entries = entries_of(folder, {})
     refuse_failures(entries, reports)
     inventory.write_atomically(out, f"{len(entries)} statements passed their checks\n")
 
 
-def entries_of(folder: Path, trials: dict[str, Any]) -> list[dict[str, Any]]:
-    """One entry per statement: what it says, how it was checked, and how that went."""
-    found: dict[str, Any] = {}
+def entries_of(folder: Path, significance_tests: dict[str, Any]) -> list[dict[str, Any]]:
+    """One entry per statement: its text, its checks, and their results."""
+    checked_now: dict[str, Any] = {}
     for stage in dict.fromkeys(map(inventory.stage, inventory.statements())):
-        found |= record_of(folder / f"{stage}.json")
-    told = ("title", "slides", "cite", "latex")
+        checked_now |= record_of(folder / f"{stage}.json")
+    fields = ("title", "slides", "cite", "latex")
     return [
-        {"key": key, **{name: statement[name] for name in told}, **with_trial(found[key], trials.get(key))}
+        {
+            "key": key,
+            **{name: statement[name] for name in fields},
+            **with_significance_test(checked_now[key], significance_tests.get(key)),
+        }
         for key, statement in inventory.statements().items()
     ]
 
 
 def gather(folder: Path, measured: Path, out: Path) -> None:
     """The ledger: the entries of all statements, and how many of each kind of check passed."""
-    trials = record_of(measured)
-    if unknown := sorted(trials.keys() - inventory.statements().keys()):
+    significance_tests = record_of(measured)
+    if unknown := sorted(significance_tests.keys() - inventory.statements().keys()):
         inventory.stop(f"{measured} measures what is not stated: {', '.join(unknown)}.")
-    entries = entries_of(folder, trials)
+    entries = entries_of(folder, significance_tests)
     tally = {kind: sum(passed(e, kind) for e in entries) for kind in KINDS}
     ledger = {"count": len(entries), "tally": tally, "entries": entries}
     text = json.dumps(ledger, indent=1, ensure_ascii=False)
     inventory.write_atomically(out, text + "\n")
 
 
-def with_trial(record: dict[str, Any], trial: dict[str, Any] | None) -> dict[str, Any]:
-    """The record with the mark of what was measured."""
-    if trial is None:
+def with_significance_test(record: dict[str, Any], test: dict[str, Any] | None) -> dict[str, Any]:
+    """The record with the mark of its significance test."""
+    if test is None:
         return record
-    failed = trial["status"] == "fail"
-    said = f"{record['message'] or record['key']}; measured: {trial['detail']}" if failed else record["message"]
+    failed = test["status"] == "fail"
+    message = f"{record['message'] or record['key']}; measured: {test['detail']}" if failed else record["message"]
     verdict = "fail" if failed else record["verdict"]
-    return {**record, "verdict": verdict, "message": said, "marks": {**record["marks"], "measured": trial}}
+    return {**record, "verdict": verdict, "message": message, "marks": {**record["marks"], "measured": test}}
 
 
 def passed(entry: dict[str, Any], kind: str) -> bool:
@@ -84,16 +88,16 @@ def complaint(entry: dict[str, Any]) -> str:
     return f"  {entry['title']}\n      {entry['message']}"
 
 
-# What was reached, and whether it still is ------------------------------------------------------
+# Figures of the checks, compared with the record -----------------------------------------------
 
-SLACK = 1.25  # ulps may grow by so much, and half a unit: processors differ in the last place of exp and its like
+SLACK = 1.25  # factor by which ulps may grow, and half a unit: processors differ in the last place of exp and its like
 FEWER = 0.9  # of the distance from 0 that a cross is proved to keep
 
 
 def reached(entry: dict[str, Any]) -> dict[str, Any]:
-    """What is kept of an entry: by kind of check that passed, how well it did."""
-    kept = {kind: FIGURES[kind](entry["marks"][kind].get("measured", {})) for kind in KINDS if passed(entry, kind)}
-    return {"over": entry.get("over", ""), **kept}
+    """The part of an entry that goes on record: figures by kind of check that passed."""
+    figures = {kind: FIGURES[kind](entry["marks"][kind].get("measured", {})) for kind in KINDS if passed(entry, kind)}
+    return {"over": entry.get("over", ""), **figures}
 
 
 def proof_figures(measured: dict[str, Any]) -> dict[str, Any]:
@@ -111,12 +115,12 @@ def enclosure_figures(measured: dict[str, Any]) -> dict[str, Any]:
 
 def kernel_figures(measured: dict[str, Any]) -> dict[str, Any]:
     """In units of the last place: the largest error, and the one that is promised."""
-    errors = {precision: round(found["ulps"], 2) for precision, found in measured.items()}
-    return errors | {f"promised {precision}": float(found["promised"]) for precision, found in measured.items()}
+    errors = {precision: round(mark["ulps"], 2) for precision, mark in measured.items()}
+    return errors | {f"promised {precision}": float(mark["promised"]) for precision, mark in measured.items()}
 
 
-def trial_figures(measured: dict[str, Any]) -> dict[str, Any]:
-    """How often it was looked, and how finely; odds are chance's."""
+def significance_figures(measured: dict[str, Any]) -> dict[str, Any]:
+    """Number of tests and standard error; the p-value is random and not recorded."""
     return {"count": measured.get("count", 1), "error": measured.get("error", 0.0)}
 
 
@@ -124,7 +128,7 @@ FIGURES: dict[str, Callable[[dict[str, Any]], dict[str, Any]]] = {
     "symbolic": proof_figures,
     "enclosed": enclosure_figures,
     "numeric": kernel_figures,
-    "measured": trial_figures,
+    "measured": significance_figures,
 }
 
 
@@ -162,22 +166,22 @@ def still(name: str, new: Any, old: Any) -> bool:
 
 
 def unrecorded(now: Any, before: Any, name: str = "") -> Iterator[str]:
-    """What was reached of which the record says nothing: there a loss would not be seen."""
+    """Figures that are not on record: a loss there would go unnoticed."""
     if not isinstance(now, dict):
         return
-    for inner, found in now.items():
+    for inner, values in now.items():
         full = f"{name}, {inner}" if name else inner
         if not isinstance(before, dict) or inner not in before:
             yield full
         else:
-            yield from unrecorded(found, before[inner], full)
+            yield from unrecorded(values, before[inner], full)
 
 
-def behind(now: dict[str, Any], kept: dict[str, Any]) -> list[str]:
-    """What the gate says of statements that are worse than the record, or gone."""
-    gone = [f"  {key}\n      on record, but stated no more" for key in kept if key not in now]
-    worse = {key: list(losses(now[key], kept[key])) for key in kept if key in now}
-    return gone + ["\n      ".join([f"  {key}", *said]) for key, said in worse.items() if said]
+def behind(now: dict[str, Any], recorded: dict[str, Any]) -> list[str]:
+    """The gate's sentences about statements that are worse than the record, or gone."""
+    gone = [f"  {key}\n      on record, but stated no more" for key in recorded if key not in now]
+    worse = {key: list(losses(now[key], recorded[key])) for key in recorded if key in now}
+    return gone + ["\n      ".join([f"  {key}", *message]) for key, message in worse.items() if message]
 
 
 def renew(ledger: Path, record: Path) -> None:
@@ -189,15 +193,15 @@ def renew(ledger: Path, record: Path) -> None:
 
 
 def gate(ledger: Path, record: Path, out: Path, *reports: Path) -> None:
-    """Pass, or name every statement that failed or got worse, and take away the report that is no longer true."""
+    """Pass, or name every statement that failed or got worse, and delete the report, which is no longer true."""
     entries = record_of(ledger)["entries"]
     refuse_failures(entries, reports)
     now = {entry["key"]: reached(entry) for entry in entries}
-    kept = record_of(record)
-    if lacking := list(unrecorded(now, kept)):
+    recorded = record_of(record)
+    if lacking := list(unrecorded(now, recorded)):
         withdraw(reports)
         inventory.stop(f"No report: {record} does not say what was reached by {listed(lacking)}. If that is new: make record.")
-    if worse := behind(now, kept):
+    if worse := behind(now, recorded):
         withdraw(reports)
         head = f"No report: {len(worse)} statements are worse than {record} says. If that is meant: make record."
         inventory.stop("\n".join([head, *worse]))

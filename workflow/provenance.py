@@ -10,7 +10,7 @@ import inventory
 
 
 def git(*arguments: str) -> str | None:
-    """What git answers, or None where there is no git or no repository."""
+    """The output of git, or None without git or a repository."""
     try:
         done = subprocess.run(["git", *arguments], capture_output=True, text=True, check=True)
     except (OSError, subprocess.CalledProcessError):
@@ -19,7 +19,7 @@ def git(*arguments: str) -> str | None:
 
 
 def version() -> str:
-    """As the library says it, which is read and not imported: whatever else is wrong with it is told elsewhere."""
+    """The library's version, read from its source without importing it: its other faults are reported elsewhere."""
     path = Path("lib/microfacet/__init__.py")
     stated = re.search(r'^__version__ = "(.+)"$', inventory.text_of(path), re.M)
     return stated[1] if stated else inventory.fault(f"{path} does not state the project's version.")

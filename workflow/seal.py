@@ -49,8 +49,8 @@ def read(path: Path) -> str | None:
 
 def sealed() -> list[Path]:
     """Every file that a build has made and sealed, whether it is still there or not."""
-    found = (Path(folder, name) for folder, _, names in os.walk(SEALS) for name in names if not name.startswith("."))
-    return sorted(BUILD / path.relative_to(SEALS) for path in found)
+    paths = (Path(folder, name) for folder, _, names in os.walk(SEALS) for name in names if not name.startswith("."))
+    return sorted(BUILD / path.relative_to(SEALS) for path in paths)
 
 
 def whole(path: Path) -> bool:

@@ -107,9 +107,9 @@ def typeset(source: Path, medium: str) -> bytes:
         made, warnings = typst.compile_with_warnings(str(source), **options)
     except typst.TypstError as error:
         inventory.stop(f"Typst could not set the report:\n{error.diagnostic}")
-    told = [warning.diagnostic for warning in warnings if EXPERIMENTAL not in warning.message]
-    if told:
-        inventory.stop("Typst set the report with doubts:\n" + "\n".join(told))
+    doubts = [warning.diagnostic for warning in warnings if EXPERIMENTAL not in warning.message]
+    if doubts:
+        inventory.stop("Typst set the report with doubts:\n" + "\n".join(doubts))
     return web.finished(made) if medium == "web" else made
 
 
@@ -122,12 +122,12 @@ def parse() -> argparse.Namespace:
 
 
 def refuse_broken_parts(medium: str) -> None:
-    """A torn text would blame its chapter, a torn picture Typst. What moves is for the web only, and may not be made yet."""
+    """Stop if a part is torn: otherwise the chapter or Typst would be blamed. Moving drawings are for the web only."""
     known = inventory.figures()
-    shown = [known[name] for one in inventory.chapters().values() for name in one.named("figure") if name in known]
+    displayed = [known[name] for one in inventory.chapters().values() for name in one.named("figure") if name in known]
     texts = [BUILD / "chapters" / f"{stem}.typ" for stem in (*inventory.chapters(), ABSTRACT)]
-    pictures = [BUILD / "figures" / f"{figure.name}.svg" for figure in shown]
-    moving = [Path(figure.moving) for figure in shown if figure.moves and medium == "web"]
+    pictures = [BUILD / "figures" / f"{figure.name}.svg" for figure in displayed]
+    moving = [Path(figure.moving) for figure in displayed if figure.moves and medium == "web"]
     try:
         seal.refuse_broken([*texts, *pictures, *moving, BUILD / "ledger.json"])
     except ValueError as fault:

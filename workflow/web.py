@@ -1,4 +1,4 @@
-"""The web page after Typst: each glyph once, formulae unbroken, and what must hold before it is handed out."""
+"""The web page after Typst: each glyph once, formulae unbroken, and checks before it is published."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ def finished(page: bytes) -> bytes:
 
 def once_each(page: bytes) -> bytes:
     """The page with each glyph drawn once for all formulae: their names are digests of their outlines."""
-    seen: set[bytes] = set()
+    known_glyphs: set[bytes] = set()
 
     def first(match: re.Match[bytes]) -> bytes:
-        known = match[1] in seen
-        seen.add(match[1])
+        known = match[1] in known_glyphs
+        known_glyphs.add(match[1])
         return b"" if known else match[0]
 
     return GLYPH.sub(first, page).replace(b"<defs></defs>", b"")
@@ -89,18 +89,18 @@ def addresses(style: str) -> list[str]:
 
 
 def faults(page: str, labels: Iterable[str]) -> Iterator[str]:
-    """One sentence for each thing that is missing from the page, twice there, or would be fetched."""
-    found = Contents(page)
-    counted = Counter(found.ids)
+    """One sentence for each thing that is missing from the page, duplicated, or fetched from elsewhere."""
+    contents = Contents(page)
+    counted = Counter(contents.ids)
     yield from (f"The address {name!r} is given {n} times." for name, n in counted.items() if n > 1)
-    yield from (f"The link {link!r} leads nowhere." for link in sorted(set(found.links)) if dangling(link, counted))
-    yield from (f"The page would fetch {what!r}." for what in found.loads)
+    yield from (f"The link {link!r} leads nowhere." for link in sorted(set(contents.links)) if dangling(link, counted))
+    yield from (f"The page would fetch {what!r}." for what in contents.loads)
     for label in labels:
         if label not in counted:
             yield f"{label} is not on the page."
-        elif label.startswith("fig:") and not found.pictures.get(label):
+        elif label.startswith("fig:") and not contents.pictures.get(label):
             yield f"{label} has no picture."
-        elif label.startswith("eq:") and not found.drawn.get(label):
+        elif label.startswith("eq:") and not contents.drawn.get(label):
             yield f"{label} is not drawn."
 
 

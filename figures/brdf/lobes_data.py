@@ -12,7 +12,7 @@ from microfacet.visibility.smith import Smith
 from microfacet.visibility.unphysical import Implicit, Kelemen
 from microfacet.visibility.v_cavity import VCavity
 from report.datafile import rounded, store
-from report.verdicts import CLASSIC, attempt
+from report.verdicts import CLASSIC, case_of
 
 DEGREES = 60.0
 MODELS = {
@@ -28,7 +28,7 @@ def compute() -> dict:
     theta_o, theta_i = np.linspace(-90, 90, 721), np.linspace(0, 88, 89)
     wo, wi = spherical(np.radians(theta_o)), spherical(np.radians(DEGREES), np.pi)
     brdfs = [Microfacet(model) for model in MODELS.values()]
-    trials = [attempt(name, model) for name, model in MODELS.items()]
+    cases = [case_of(name, model) for name, model in MODELS.items()]
     lobe = np.array([brdf.evaluate(wo, wi) * np.maximum(wo[:, 2], 0) for brdf in brdfs])
     return rounded(
         {
@@ -39,8 +39,8 @@ def compute() -> dict:
             "theta_i": theta_i,
             "albedo": np.array([brdf.albedo(spherical(np.radians(theta_i))) for brdf in brdfs]),
             "names": list(MODELS),
-            "classic": [trial.verdict(CLASSIC) for trial in trials],
-            "physical": [trial.verdict(INTEGRALS) for trial in trials],
+            "classic": [case.verdict(CLASSIC) for case in cases],
+            "physical": [case.verdict(INTEGRALS) for case in cases],
         },
         digits=5,
     )

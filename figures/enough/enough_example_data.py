@@ -29,7 +29,7 @@ def compute() -> dict:
     data["squares"] = [example.samplers[name][1] for name in cost.SAMPLERS]
     data["sampling"] = [example.samplers[name][0] for name in cost.SAMPLERS]
     data["measures"] = list(made)
-    data["choices"] = [one.chosen.candidate.words if one.chosen else "none" for one in made.values()]
+    data["choices"] = [one.chosen.candidate.label if one.chosen else "none" for one in made.values()]
     data["errors"] = [(one.chosen or one.rows[-1]).measured.error for one in made.values()]
     data["beyond"] = [one.beyond for one in made.values()]
     data["odds"] = ODDS

@@ -38,7 +38,7 @@ def compute() -> dict:
         most, bound = errors(normals, order)
         data |= {
             f"{normals}_maskings": np.array([maskings()[one.masking][0] for one in order]),
-            f"{normals}_words": np.array([one.words for one in order]),
+            f"{normals}_words": np.array([one.label for one in order]),
             f"{normals}_once": np.array([one.compensation == "none" for one in order]),
             f"{normals}_most": most,
             f"{normals}_bound": bound,

@@ -5,7 +5,7 @@ import sys
 import numpy as np
 from report.datafile import rounded, store
 
-from benchmarks.record import fronts, mark, read, rows, seconds, summary, told
+from benchmarks.record import fronts, mark, note, read, rows, seconds, summary
 from benchmarks.rivals_brdf import METHODS as BRDF
 from benchmarks.rivals_fresnel import METHODS as FRESNEL
 from benchmarks.rivals_masking import METHODS as MASKING
@@ -26,12 +26,12 @@ def panel(quantity: str) -> dict:
              for part, value in (("error", e), ("ns", t[1]))}  # fmt: skip
     return alone | {
         f"{quantity}_names": np.array(list(methods)),
-        f"{quantity}_words": np.array([method.words for method in methods.values()]),
+        f"{quantity}_words": np.array([method.label for method in methods.values()]),
         f"{quantity}_kinds": np.array([method.kind for method in methods.values()]),
         f"{quantity}_errors": np.array(errors),
         f"{quantity}_times": np.array(times),
         f"{quantity}_best": best,
-        f"{quantity}_told": told(quantity, methods),
+        f"{quantity}_told": note(quantity, methods),
         f"{quantity}_record": np.array(summary(quantity, methods)),
         f"{quantity}_stale": mark(quantity, methods),
     }

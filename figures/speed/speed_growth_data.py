@@ -21,7 +21,7 @@ def power(sizes: np.ndarray, times: np.ndarray, first: int) -> tuple[float, floa
 
 
 def compute() -> dict:
-    data: dict = {"names": np.array(list(METHODS)), "words": np.array([m.words for m in METHODS.values()])}
+    data: dict = {"names": np.array(list(METHODS)), "words": np.array([m.label for m in METHODS.values()])}
     for name, method in METHODS.items():
         sizes, expected = np.array(method.sizes, float), EXPECTED[name]
         times = np.array(seconds("growth", name, method))

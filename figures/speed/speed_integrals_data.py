@@ -13,7 +13,7 @@ ASKED = 1e-12
 
 def compute() -> dict:
     """Curves of error and of seconds, one point a size; points on the front; the least time that reaches `ASKED`."""
-    data: dict = {"names": np.array(list(AREAS)), "words": np.array([m.words for m in AREAS.values()])}
+    data: dict = {"names": np.array(list(AREAS)), "words": np.array([m.label for m in AREAS.values()])}
     errors = {name: [max(method.error(size), 1e-16) for size in method.sizes] for name, method in AREAS.items()}
     times = {name: [t[1] for t in seconds("integral", name, method)] for name, method in AREAS.items()}
     every = [(e, t) for name in AREAS for e, t in zip(errors[name], times[name], strict=True)]

@@ -32,7 +32,7 @@ def compute() -> dict:
              for part, value in (("error", e), ("ns", t), ("effort", v))}  # fmt: skip
     data = alone | {
         "names": np.array(list(METHODS)),
-        "words": np.array([s.words for s in SAMPLERS.values()]),
+        "words": np.array([s.label for s in SAMPLERS.values()]),
         "kinds": np.array(kinds),
         "errors": np.array(errors),
         "times": times,

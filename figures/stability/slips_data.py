@@ -8,7 +8,7 @@ from microfacet.brdf.specular import Microfacet
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
-from microfacet.validation.chi_square import agreement, chance
+from microfacet.validation.chi_square import p_value, p_value_of_counts
 from microfacet.validation.equations import residual
 from microfacet.visibility.smith import Smith
 from report.datafile import rounded, store
@@ -44,7 +44,7 @@ def ring_odds(normals: np.ndarray, rings: int = 24) -> float:
     phi = np.pi * (np.arange(256) + 0.5) / 256
     density = STRETCHED.D(spherical(theta, phi)).mean(axis=-1) * 2 * np.pi * (np.sin(theta) * np.cos(theta))[..., 0]
     share = (density * w).sum(axis=1) * np.diff(edges) / 2
-    return chance(np.histogram(np.arccos(normals[:, 2]), edges)[0].astype(float), len(normals) * share)
+    return p_value_of_counts(np.histogram(np.arccos(normals[:, 2]), edges)[0].astype(float), len(normals) * share)
 
 
 def samplers() -> dict:
@@ -59,7 +59,7 @@ def samplers() -> dict:
             odds.append(
                 (
                     ring_odds(above),
-                    agreement(normals, lambda m: Smith(STRETCHED).D_visible(slanted, m), slanted, STRETCHED.slope_scale),
+                    p_value(normals, lambda m: Smith(STRETCHED).D_visible(slanted, m), slanted, STRETCHED.slope_scale),
                 )
             )
         found[f"rejected_{name}"] = np.mean(np.array(odds) < LEVEL, axis=0)

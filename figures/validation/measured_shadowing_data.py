@@ -5,7 +5,7 @@ import sys
 import numpy as np
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
-from microfacet.surface.compare import lit_of
+from microfacet.surface.compare import illuminated_fraction
 from microfacet.surface.measure import estimate
 from microfacet.visibility.smith import CORRELATIONS, Smith
 from microfacet.visibility.v_cavity import VCavity
@@ -27,7 +27,7 @@ def smith(alpha: float, theta_i: float, azimuth: np.ndarray) -> np.ndarray:
 
 def cavity(alpha: float, theta_i: float) -> np.ndarray:
     wo, model = spherical(np.radians(DEGREES)), VCavity(Beckmann(alpha))
-    return np.array([lit_of(model, wo, spherical(theta_i, azimuth)) for azimuth in np.radians(FINE)])
+    return np.array([illuminated_fraction(model, wo, spherical(theta_i, azimuth)) for azimuth in np.radians(FINE)])
 
 
 def compute() -> dict:

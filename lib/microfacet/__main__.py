@@ -83,7 +83,7 @@ def _choose(asked: argparse.Namespace) -> int:
     more = {name: getattr(asked, name) for name in ("normals", "bounces", "precision")}
     given = {name: value for name, value in (scene | more | {"fresnel": _fresnel(asked.fresnel)}).items() if value is not None}
     choice = choose(**given, tolerance=asked.tolerance, measure=asked.measure, costs=_costs(asked.costs))
-    print(f"{choice.told()}\n\n{choice.table()}")
+    print(f"{choice.summary()}\n\n{choice.table()}")
     if asked.chart is not None:
         choice.chart(asked.chart)
         print(f"\nThe chart is in {asked.chart}.")
@@ -198,7 +198,7 @@ def _statements(chosen: argparse.Namespace) -> int:
     from microfacet.statement import equations
 
     if chosen.command == "trust":
-        from microfacet.validation.trust import table
+        from microfacet.validation.accuracy_table import table
 
         print(table())
     else:

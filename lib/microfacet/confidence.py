@@ -9,13 +9,20 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 ODDS = 1e-5
 _LOG = math.log(3 / ODDS)
 RARE = 3 * _LOG  # number of draws that may have been missed altogether
+
+
+class Estimate(NamedTuple):
+    """A mean over random walks or random surfaces and its error: a bound, or where that is said its standard error."""
+
+    value: Any
+    error: Any
 
 
 @cache

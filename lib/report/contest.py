@@ -1,4 +1,4 @@
-"""Two models against what was measured, as the rows of a table: who is nearer."""
+"""Two models compared with measured surfaces, as the rows of a table: which is nearer."""
 
 from __future__ import annotations
 
@@ -11,29 +11,31 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-def contest(found: Mapping[str, Array], one: str, other: str, least: float = 0.0) -> list[list[str]]:
-    """Rows of a table: how far two models are off in albedo and in shape for each roughness and view, and who is nearer.
+def contest(measured: Mapping[str, Array], one: str, other: str, least: float = 0.0) -> list[list[str]]:
+    """Rows of a table: how far two models are off in albedo and in shape for each roughness and view, and which is nearer.
 
-    found: the arrays of the figure `measured_distances`. least: the smallest polar angle of the view, degrees. Nobody is
+    measured: the arrays of the figure `measured_distances`. least: the smallest polar angle of the view, degrees. Neither is
     nearer where the difference is below two standard errors.
     """
-    names = list(found["names"][0])
+    names = list(measured["names"][0])
     a, b = names.index(one), names.index(other)
     short = one.split(",")[0], other.split(",")[0]
     rows = []
-    for k, v in np.ndindex(found["noise"].shape):
-        if found["theta_o"][v] < least:
+    for k, v in np.ndindex(measured["noise"].shape):
+        if measured["theta_o"][v] < least:
             continue
-        albedo, error = found["albedo"][k, v]
-        off = found["model_albedo"][k, v] - albedo
-        shape, errors = np.moveaxis(found["distance"][k, v], -1, 0)
-        light = _nearer(*short, abs(off[b]) - abs(off[a]), 2 * error if off[a] * off[b] < 0 else 0.0)
-        looks = _nearer(*short, shape[b] - shape[a], math.hypot(errors[a], errors[b]))
-        here = [f"{found['alpha'][k]:.1f}", f"{found['theta_o'][v]:.0f}°", f"{albedo:.4f} ± {error:.4f}"]
-        rows.append([*here, f"{off[a]:+.4f}", f"{off[b]:+.4f}", light, f"{shape[a]:.3f}", f"{shape[b]:.3f}", looks])
+        albedo, error = measured["albedo"][k, v]
+        off = measured["model_albedo"][k, v] - albedo
+        shape, errors = np.moveaxis(measured["distance"][k, v], -1, 0)
+        nearer_albedo = _nearer(*short, abs(off[b]) - abs(off[a]), 2 * error if off[a] * off[b] < 0 else 0.0)
+        nearer_shape = _nearer(*short, shape[b] - shape[a], math.hypot(errors[a], errors[b]))
+        here = [f"{measured['alpha'][k]:.1f}", f"{measured['theta_o'][v]:.0f}°", f"{albedo:.4f} ± {error:.4f}"]
+        rows.append(
+            [*here, f"{off[a]:+.4f}", f"{off[b]:+.4f}", nearer_albedo, f"{shape[a]:.3f}", f"{shape[b]:.3f}", nearer_shape]
+        )
     return rows
 
 
 def _nearer(one: str, other: str, lead: float, error: float) -> str:
-    """Who is nearer, given by how much the first is; nobody if that is within two standard errors."""
+    """The nearer model, from the lead of the first; neither if that is within two standard errors."""
     return "–" if abs(lead) <= 2 * error else one if lead > 0 else other

@@ -15,7 +15,7 @@ from microfacet.files import writable, write
 from numpy.typing import ArrayLike, NDArray
 
 TORN = (OSError, EOFError, ValueError, KeyError, AttributeError, RuntimeError, zlib.error, zipfile.BadZipFile)
-SEAL = "seal"  # the name under which a file keeps a digest of all else in it
+SEAL = "seal"  # the name of the digest of all other arrays in a file
 
 
 def seal(arrays: dict[str, NDArray[Any]]) -> str:
@@ -79,7 +79,7 @@ def _read(path: str | Path) -> dict[str, NDArray[Any]]:
 
 
 def rounded(arrays: dict[str, ArrayLike], digits: int = 7) -> dict[str, NDArray[Any]]:
-    """The same arrays with so many significant digits: the last bits differ between processors, a figure's bytes must not."""
+    """The arrays rounded to `digits` significant digits: last bits differ between processors, a figure's bytes must not."""
     return {name: _rounded(np.asarray(values), digits) for name, values in arrays.items()}
 
 

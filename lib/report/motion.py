@@ -1,7 +1,7 @@
 """Drawings that move: parts of a figure, found by their gid, follow CSS keyframes inside an SVG.
 
-The stills on paper and the motion on the web come from one script. Who has asked the system for less motion sees the
-first moment at rest. Like `report.plotting`, this module is never imported by the library itself.
+The stills on paper and the motion on the web come from one script. Readers who have asked the system for reduced motion
+see the first moment at rest. Like `report.plotting`, this module is never imported by the library itself.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ ENDING = ".moving.svg"
 
 @dataclass
 class Motion:
-    """Keyframes by name, and for each moving part (by gid) which of them it follows, with its own values."""
+    """Keyframes by name, and for each moving part (by gid) the keyframes that it follows and its own values."""
 
     figure: Figure
     keyframes: dict[str, str] = field(default_factory=dict)
@@ -47,7 +47,7 @@ class Motion:
 
 
 def rule(gid: str, name: str, values: Mapping[str, str]) -> str:
-    """A part's own style: variables for its keyframes, or what they are called in CSS."""
+    """A part's own style: CSS properties, or variables for its keyframes."""
     own = "".join(f" {CSS.get(key, '--' + key)}: {value};" for key, value in values.items())
     lines = f"#{gid} path {{ vector-effect: non-scaling-stroke; }}\n" if "origin" in values else ""
     return f"#{gid} {{ animation: {name} {PERIOD:g}s ease-in-out infinite;{own} }}\n{lines}"

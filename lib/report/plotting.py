@@ -106,30 +106,30 @@ def ground(ax: Axes, x: ArrayLike, z: ArrayLike, depth: float, nodes: bool = Fal
     x, z = np.asarray(x, dtype=float), np.asarray(z, dtype=float)
     outline = np.stack([np.r_[x, x[-1], x[0]], np.r_[z, -depth, -depth]], axis=-1)
     ax.add_patch(Polygon(outline, facecolor=COLOURS["ground"], edgecolor="none", zorder=0))
-    look: Style = {"color": COLOURS["ink"], "linestyle": "-", "linewidth": 1.0, "zorder": 2}
-    ax.plot(x, z, **(look | style))
+    defaults: Style = {"color": COLOURS["ink"], "linestyle": "-", "linewidth": 1.0, "zorder": 2}
+    ax.plot(x, z, **(defaults | style))
     if nodes:
         ax.plot(x, z, ".", color=COLOURS["ink"], markersize=3, zorder=4)
 
 
 def arrow(ax: Axes, start: ArrayLike, stop: ArrayLike, **style: Any) -> None:
     """Arrow from ``start`` to ``stop``, in the coordinates of ``ax``."""
-    look: Style = {"color": COLOURS["ink"], "linewidth": 0.9, "arrowstyle": "-|>", "mutation_scale": 7, "zorder": 5}
+    defaults: Style = {"color": COLOURS["ink"], "linewidth": 0.9, "arrowstyle": "-|>", "mutation_scale": 7, "zorder": 5}
     ends = (tuple(np.asarray(end, dtype=float)) for end in (start, stop))
-    ax.add_patch(FancyArrowPatch(*ends, shrinkA=0, shrinkB=0, **(look | style)))
+    ax.add_patch(FancyArrowPatch(*ends, shrinkA=0, shrinkB=0, **(defaults | style)))
 
 
 def label(ax: Axes, place: ArrayLike, text: str, **style: Any) -> Text:
     """Text centred at ``place`` in the coordinates of ``ax``."""
     x, z = np.asarray(place, dtype=float)
-    look: Style = {"ha": "center", "va": "center", "color": COLOURS["ink"], "zorder": 6}
-    return ax.text(x, z, text, **(look | style))
+    defaults: Style = {"ha": "center", "va": "center", "color": COLOURS["ink"], "zorder": 6}
+    return ax.text(x, z, text, **(defaults | style))
 
 
 def box(corner: tuple[float, float], width: float, height: float) -> FancyBboxPatch:
     """Frame with its lower left ``corner``, for diagrams."""
-    look: Style = {"boxstyle": "round,pad=0,rounding_size=0.04", "facecolor": "none", "edgecolor": COLOURS["grey"]}
-    return FancyBboxPatch(corner, width, height, linewidth=0.7, zorder=6, **look)
+    defaults: Style = {"boxstyle": "round,pad=0,rounding_size=0.04", "facecolor": "none", "edgecolor": COLOURS["grey"]}
+    return FancyBboxPatch(corner, width, height, linewidth=0.7, zorder=6, **defaults)
 
 
 def verdict(ax: Axes, place: ArrayLike, holds: bool, size: float = 0.055) -> None:
@@ -142,10 +142,10 @@ def verdict(ax: Axes, place: ArrayLike, holds: bool, size: float = 0.055) -> Non
 
 def pieces(ax: Axes, ends: Array, colours: Sequence[str], **style: Any) -> None:
     """Segments with ``ends`` of shape (n, 2, 2), each in its colour; those of no length are left out."""
-    look: Style = {"linestyle": "-", "linewidth": 2.6, "solid_capstyle": "butt", "zorder": 3}
+    defaults: Style = {"linestyle": "-", "linewidth": 2.6, "solid_capstyle": "butt", "zorder": 3}
     for (start, stop), colour in zip(ends, colours, strict=True):
         if np.any(start != stop):
-            ax.plot([start[0], stop[0]], [start[1], stop[1]], **(look | {"color": colour} | style))
+            ax.plot([start[0], stop[0]], [start[1], stop[1]], **(defaults | {"color": colour} | style))
 
 
 def hemisphere(ax: Axes, theta: Array, phi: Array, values: Array, top: float, levels: int = 15) -> None:
@@ -153,18 +153,18 @@ def hemisphere(ax: Axes, theta: Array, phi: Array, values: Array, top: float, le
 
     The rim is the horizon and the view, at azimuth 0, is on the left; equal areas are equal solid angles.
     """
-    rows, turn = ((edges[1:] + edges[:-1]) / 2 for edges in (theta, phi))
+    rows, azimuth = ((edges[1:] + edges[:-1]) / 2 for edges in (theta, phi))
     radius = np.sqrt(2) * np.sin(np.r_[0, rows, np.pi / 2] / 2)[:, None]
-    filled = np.vstack([np.full(len(turn), values[0].mean()), values, values[-1]])
-    turn, filled = np.r_[turn, turn[0] + 2 * np.pi], np.hstack([filled, filled[:, :1]])
-    ax.contourf(-radius * np.cos(turn), radius * np.sin(turn), np.clip(filled, 0, top), np.linspace(0, top, levels + 1))
+    filled = np.vstack([np.full(len(azimuth), values[0].mean()), values, values[-1]])
+    azimuth, filled = np.r_[azimuth, azimuth[0] + 2 * np.pi], np.hstack([filled, filled[:, :1]])
+    ax.contourf(-radius * np.cos(azimuth), radius * np.sin(azimuth), np.clip(filled, 0, top), np.linspace(0, top, levels + 1))
     around = np.linspace(0, 2 * np.pi, 181)
     ax.plot(np.cos(around), np.sin(around), color=COLOURS["grey"], linestyle="-", linewidth=0.6)
     scene(ax, x=(-1.05, 1.05), z=(-1.05, 1.05))
 
 
 def overlaps(figure: Figure) -> list[str]:
-    """What a reader would trip over: texts that touch one another or leave the figure, one sentence each."""
+    """Faults of the layout: texts that touch one another or leave the figure, one sentence each."""
     figure.canvas.draw()
     hidden = set(_labels_not_drawn(figure))
     texts = [t for t in figure.findobj(Text) if t.get_visible() and t.get_text().strip() and t not in hidden]

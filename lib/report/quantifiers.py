@@ -1,4 +1,4 @@
-"""For which parameters the ticks and crosses of the two tables are proved, in words: read off the statements that prove it."""
+"""The parameters for which the ticks and crosses of the two tables are proved, worded from the statements that prove them."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from microfacet.notation import alpha, mu_o, n
 from microfacet.statement import Equation
 from microfacet.validation.enclosure import (
     BOX,
-    FAMILIES,
-    GRAZING,
+    GRAZING_ANGLES,
     IMPLICIT_UP_TO,
     KELEMEN_ROUGH,
     SCHLICK_UP_TO,
-    STEEP,
+    STEEP_ANGLES,
+    TABLE_2_FAMILIES,
     halved_ggx,
     implicit_beckmann,
     implicit_ggx,
@@ -33,7 +33,7 @@ from microfacet.validation.enclosure import (
 class Quantifier:
     """For which parameters a tick or a cross of the tables is proved.
 
-    every: what may be chosen freely; but: the exception; within: how far the proof goes beyond that. All as Markdown.
+    every: the parameters that are free; but: the exception; within: the range of the other parameters. All as Markdown.
     keys: the statements that prove it.
     """
 
@@ -48,7 +48,7 @@ class Quantifier:
         return f"every {self.every}" + (f" but {self.but}" if self.but else "") if self.keys else "–"
 
     @property
-    def words(self) -> str:
+    def summary(self) -> str:
         return self.brief + (f"; {self.within}" if self.within else "")
 
 
@@ -71,25 +71,25 @@ def _view_above(*statements: Equation) -> str:
     return rf"${sp.latex(sp.deg(angle))}^\circ$"
 
 
-def _box_words(box: Mapping[str, tuple[float, float]]) -> str:
+def _box_label(box: Mapping[str, tuple[float, float]]) -> str:
     return rf"${box['alpha'][0]:g} \le \alpha \le {box['alpha'][1]:g}$"
 
 
 def _up_to(largest: sp.Expr) -> str:
-    return rf"over Beckmann for {_box_words(BOX)}, over GGX for $\alpha \le {sp.latex(largest)}$"
+    return rf"over Beckmann for {_box_label(BOX)}, over GGX for $\alpha \le {sp.latex(largest)}$"
 
 
 def _passes(name: str) -> Quantifier:
-    keys = tuple(f"validation.table2.{name}_{family}" for family in FAMILIES)
+    keys = tuple(f"validation.table2.{name}_{family}" for family in TABLE_2_FAMILIES)
     return Quantifier("holds", keys, r"$\alpha$ and view")
 
 
 def quantifiers() -> Mapping[str, Quantifier]:
-    """By row of the tables: for which parameters the row's verdict is proved; for none where nobody has proved it."""
+    """By row of the tables: the parameters for which the row's verdict is proved, none if there is no proof."""
     kelemen = tuple(f"validation.table2.kelemen_{f}_{side}" for f in ("beckmann", "ggx") for side in ("above", "grazing"))
     crossing = (
-        rf"too much up to ${STEEP[1]:g}^\circ$, too little from ${GRAZING[0]:g}^\circ$,"
-        rf" for {_box_words({'alpha': KELEMEN_ROUGH})}"
+        rf"too much up to ${STEEP_ANGLES[1]:g}^\circ$, too little from ${GRAZING_ANGLES[0]:g}^\circ$,"
+        rf" for {_box_label({'alpha': KELEMEN_ROUGH})}"
     )
     view = _view_above(implicit_ggx, schlick_ggx, halved_ggx)
     proved = {

@@ -20,23 +20,23 @@ from microfacet.geometry.slopes import Distribution, alpha_of
 from microfacet.model import signature
 from microfacet.notation import alpha, n
 from microfacet.statement import Equation
-from microfacet.validation.equations import AZIMUTHS, INTEGRALS, PAIRS, THETA, TOLERANCE
+from microfacet.validation.equations import AZIMUTH_COUNT, INTEGRALS, PAIRS, THETA, TOLERANCE
 from microfacet.visibility import unphysical
 from microfacet.visibility.masking import Masking
 from microfacet.visibility.smith import Smith
 from microfacet.visibility.unphysical import Implicit, Kelemen, SchlickSmith
 from microfacet.visibility.v_cavity import VCavity
 
-from report.verdicts import CLASSIC, Row, Table, Trial, attempt, deviation, exactly, sign
+from report.verdicts import CLASSIC, Case, Row, Table, case_of, deviation, exactly, sign
 
-DISTRIBUTIONS = ("BlinnPhong", "NormalizedBlinnPhong", "Ward", "Beckmann", "GGX")  # slide 55, in its order
-MASKINGS = ("Smith", "VCavity", "Implicit", "Kelemen", "SchlickSmith")  # slide 58
+TALK_DISTRIBUTIONS = ("BlinnPhong", "NormalizedBlinnPhong", "Ward", "Beckmann", "GGX")  # slide 55, in its order
+TALK_MASKINGS = ("Smith", "VCavity", "Implicit", "Kelemen", "SchlickSmith")  # slide 58
 
-ROUGHNESS = (0.1, 0.25, 0.5, 1.0)
-STRETCHED = ((0.1, 0.5), (0.05, 1.0))
+ALPHAS = (0.1, 0.25, 0.5, 1.0)
+ANISOTROPIC_ALPHAS = ((0.1, 0.5), (0.05, 1.0))
 EXPONENTS = (1, 2, 5, 10, 50, 1000)
-MASKED_ROUGHNESS = (0.1, 0.4, 1.0)
-MASKED_STRETCHED = ((0.1, 0.6),)
+MASKED_ALPHAS = (0.1, 0.4, 1.0)
+MASKED_ANISOTROPIC_ALPHAS = ((0.1, 0.6),)
 
 # --- table 1: distributions of normals ----------------------------------------------------------------------------------
 
@@ -48,7 +48,7 @@ def passing_exponent() -> sp.Expr:
 
 
 def table_of_distributions() -> Table:
-    """Slide 55. The first equation decides; V-cavities, right for all these, carry it on to the others."""
+    """Slide 55. The first equation decides; the others are tested under V-cavities, which hold for all these distributions."""
     rows = tuple(
         Row(kind.label, kind.cite, shapes(kind), INTEGRALS[0], r"$\alpha$" if alphas_of(kind) else "$n$")
         for kind in distributions()
@@ -59,10 +59,10 @@ def table_of_distributions() -> Table:
 
 def distributions() -> list[type[Distribution]]:
     """The families of distributions: the talk's in its order, then all others."""
-    return families(Distribution, DISTRIBUTIONS)
+    return families(Distribution, TALK_DISTRIBUTIONS)
 
 
-def shapes(kind: type[Distribution]) -> tuple[Trial, ...]:
+def shapes(kind: type[Distribution]) -> tuple[Case, ...]:
     """One family over all its parameters: one or two roughnesses, or an exponent."""
     statement = kind.statements.get("projected_area")
     made_of: Any = kind
@@ -70,51 +70,51 @@ def shapes(kind: type[Distribution]) -> tuple[Trial, ...]:
         return _powers(kind, statement)
     if not alphas_of(kind):
         raise ValueError(f"{kind.__name__} must be made of alpha, of alpha_x and alpha_y, or of n, to be tried in a table")
-    return _rough(kind, statement, roughnesses(ROUGHNESS, STRETCHED if alphas_of(kind) > 1 else ()))
+    return _rough(kind, statement, alpha_pairs(ALPHAS, ANISOTROPIC_ALPHAS if alphas_of(kind) > 1 else ()))
 
 
-def _powers(make: Callable[..., Distribution], statement: Equation | None) -> tuple[Trial, ...]:
+def _powers(make: Callable[..., Distribution], statement: Equation | None) -> tuple[Case, ...]:
     special = passing_exponent()
     labels = {float(e): f"$n = {e}$" for e in EXPONENTS} | {float(special): f"$n = {sp.latex(special, order='rev-lex')}$"}
     stated_area = [exactly(statement, n=e) if statement else None for e in sorted(labels)]
     return tuple(_shape(labels[e], make(e), exact) for e, exact in zip(sorted(labels), stated_area, strict=True))
 
 
-def _rough(kind: type[Distribution], statement: Equation | None, pairs: list[tuple[float, float]]) -> tuple[Trial, ...]:
-    trials = []
-    for scales in pairs:
-        known = statement and (scales[0] == scales[1] or alpha not in sp.sympify(statement.equals).free_symbols)
-        exact = exactly(statement, alpha=scales[0]) if statement and known else None
-        trials.append(_shape(roughness_label(scales), of_alpha(kind, *scales), exact))
-    return tuple(trials)
+def _rough(kind: type[Distribution], statement: Equation | None, pairs: list[tuple[float, float]]) -> tuple[Case, ...]:
+    cases = []
+    for alphas in pairs:
+        known = statement and (alphas[0] == alphas[1] or alpha not in sp.sympify(statement.equals).free_symbols)
+        exact = exactly(statement, alpha=alphas[0]) if statement and known else None
+        cases.append(_shape(alpha_label(alphas), of_alpha(kind, *alphas), exact))
+    return tuple(cases)
 
 
-def _shape(label: str, ndf: Distribution, exact: float | None) -> Trial:
-    return replace(attempt(label, VCavity(ndf)), exact=exact)
+def _shape(label: str, ndf: Distribution, exact: float | None) -> Case:
+    return replace(case_of(label, VCavity(ndf)), exact=exact)
 
 
-def roughnesses(isotropic: Sequence[float], stretched: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
-    return [*((a, a) for a in isotropic), *stretched]
+def alpha_pairs(isotropic: Sequence[float], anisotropic: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+    return [*((a, a) for a in isotropic), *anisotropic]
 
 
-def roughness_label(scales: tuple[float, float]) -> str:
-    if scales[0] == scales[1]:
-        return rf"$\alpha = {scales[0]:g}$"
-    return rf"$(\alpha_x, \alpha_y) = ({scales[0]:g}, {scales[1]:g})$"
+def alpha_label(alphas: tuple[float, float]) -> str:
+    if alphas[0] == alphas[1]:
+        return rf"$\alpha = {alphas[0]:g}$"
+    return rf"$(\alpha_x, \alpha_y) = ({alphas[0]:g}, {alphas[1]:g})$"
 
 
 def _distribution_cells(row: Row) -> tuple[str, ...]:
     worst = row.worst
-    found = worst.found[row.leading]
+    verdict = worst.verdicts[row.leading]
     exact = "–" if worst.exact is None else f"{worst.exact:.6f}"
     where = worst.label if row.physical == "fails" else "all"
     return (
         row.name,
         sign(row.physical),
-        row.words,
+        row.summary,
         f"{row.value:.6f}",
         exact,
-        deviation(found.residual, found.bound),
+        deviation(verdict.residual, verdict.bound),
         where,
         sign(row.verdict(*CLASSIC)),
     )
@@ -123,11 +123,11 @@ def _distribution_cells(row: Row) -> tuple[str, ...]:
 def _distributions_tried() -> str:
     powers = ", ".join(map(str, EXPONENTS))
     special = sp.latex(passing_exponent(), order="rev-lex")
-    return rf"Tried were $n = {powers}$ and ${special}$; {_roughness_tried(ROUGHNESS, STRETCHED)}; {_views_tried()}."
+    return rf"Tried were $n = {powers}$ and ${special}$; {_alphas_tried(ALPHAS, ANISOTROPIC_ALPHAS)}; {_views_tried()}."
 
 
-def _roughness_tried(isotropic: Sequence[float], stretched: Sequence[tuple[float, float]]) -> str:
-    pairs = ", ".join(f"({x:g}, {y:g})" for x, y in stretched)
+def _alphas_tried(isotropic: Sequence[float], anisotropic: Sequence[tuple[float, float]]) -> str:
+    pairs = ", ".join(f"({x:g}, {y:g})" for x, y in anisotropic)
     return rf"$\alpha = {', '.join(f'{a:g}' for a in isotropic)}$ and $(\alpha_x, \alpha_y) = {pairs}$"
 
 
@@ -136,7 +136,7 @@ def _views_tried() -> str:
     albedo = f"10^{{{round(log10(TOLERANCE))}}}"
     return (
         f"{len(angles)} view angles from {angles[0]:.0f} to {angles[-1]:.0f} degrees"
-        f" (all but the first at {AZIMUTHS} azimuths where the distribution is stretched, more along its longer slopes);"
+        f" (all but the first at {AZIMUTH_COUNT} azimuths where the distribution is stretched, more along its longer slopes);"
         f" {PAIRS} pairs of random directions for positivity and reciprocity, an albedo of at most $1 + {albedo}$ for energy"
     )
 
@@ -151,10 +151,10 @@ def halved(ndf: Distribution) -> SchlickSmith:
 
 def maskings() -> dict[str, tuple[Callable[[Distribution], Masking], str]]:
     """Masking functions by name, and their sources: the talk's five and a variant of the last, then all others."""
-    talk = {kind.label: (kind, kind.cite) for kind in families(Masking, MASKINGS)}
+    talk = {kind.label: (kind, kind.cite) for kind in families(Masking, TALK_MASKINGS)}
     variant = {f"{SchlickSmith.label}, halved": (halved, SchlickSmith.cite)}
     rows = [*talk.items()]
-    return dict([*rows[: len(MASKINGS)], *variant.items(), *rows[len(MASKINGS) :]])
+    return dict([*rows[: len(TALK_MASKINGS)], *variant.items(), *rows[len(TALK_MASKINGS) :]])
 
 
 def table_of_masking() -> Table:
@@ -168,24 +168,24 @@ def table_of_masking() -> Table:
 
 
 def masked_shapes() -> list[tuple[Distribution, str]]:
-    """The distributions under each masking function, and what to call them."""
+    """The distributions under each masking function, and their labels."""
     return [
-        (make(*scales), f"{make.__name__} {roughness_label(scales)}")
+        (make(*alphas), f"{make.__name__} {alpha_label(alphas)}")
         for make in (Beckmann, GGX)
-        for scales in roughnesses(MASKED_ROUGHNESS, MASKED_STRETCHED)
+        for alphas in alpha_pairs(MASKED_ALPHAS, MASKED_ANISOTROPIC_ALPHAS)
     ]
 
 
-def _masked(model: Masking, label: str) -> Trial:
-    trial = attempt(label, model)
-    return replace(trial, exact=exact_share(model, trial.farthest))
+def _masked(model: Masking, label: str) -> Case:
+    case = case_of(label, model)
+    return replace(case, exact=exact_visible_fraction(model, case.worst_view))
 
 
-def exact_share(model: Masking, view: np.ndarray) -> float | None:
-    """What a viewer below the zenith sees by this model, over what there is to see, from statements; None if there is none.
+def exact_visible_fraction(model: Masking, view: np.ndarray) -> float | None:
+    """The visible area by this model over its true value, below the zenith, from statements; None if no statement gives it.
 
-    A masking function of the view direction alone shows G1 (1 + Lambda) of it. Kelemen's shows, from above, the whole area
-    of the facets and not what they project to.
+    A masking function of the view direction alone makes it G1 (1 + Lambda). Kelemen's takes, from above, the whole area of
+    the facets in place of their projected area.
     """
     if isinstance(model, Smith | VCavity):
         return 1.0
@@ -209,7 +209,7 @@ def _masking_cells(row: Row) -> tuple[str, ...]:
     return (
         row.name,
         *(sign(row.verdict(name)) for name in INTEGRALS[1:]),
-        f"{row.words}; {row.words_by_angle}" if wrong else row.words,
+        f"{row.summary}; {row.summary_by_angle}" if wrong else row.summary,
         f"{row.value:.6f}",
         "–" if worst.exact is None else f"{worst.exact:.6f}",
         at,
@@ -219,4 +219,4 @@ def _masking_cells(row: Row) -> tuple[str, ...]:
 
 
 def _masking_tried() -> str:
-    return rf"Tried were Beckmann and GGX with {_roughness_tried(MASKED_ROUGHNESS, MASKED_STRETCHED)}; {_views_tried()}."
+    return rf"Tried were Beckmann and GGX with {_alphas_tried(MASKED_ALPHAS, MASKED_ANISOTROPIC_ALPHAS)}; {_views_tried()}."

@@ -1,4 +1,4 @@
-"""Models put to the validation equations: what was tried, what came of it, and how that is said.
+"""Verdicts of the validation equations on models, one by one and over many parameters, and their wording.
 
 Every tick and every cross is a verdict of `validate`.
 """
@@ -20,36 +20,36 @@ SIGNS = {"holds": "✓", "fails": "✗", "undecided": "?"}
 
 
 @dataclass(frozen=True)
-class Trial:
+class Case:
     """One model with one set of parameters, and its verdicts. label: the parameters, as LaTeX.
 
-    found: by equation. by_angle: the verdict on the visible area for each view angle that all surfaces have, degrees.
-    farthest: the view where it is worst.
+    verdicts: by equation. by_angle: the verdict on the visible area for each view angle that all surfaces have, degrees.
+    worst_view: where the visible area is farthest from its value.
     """
 
     label: str
     model: Masking
-    found: Mapping[str, Verdict]
+    verdicts: Mapping[str, Verdict]
     by_angle: Mapping[int, str]
-    farthest: np.ndarray
-    exact: float | None = None  # the row's leading integral where it is worst, if there is a closed form
+    worst_view: np.ndarray
+    exact: float | None = None  # the row's leading integral at the worst view, if it has a closed form
 
     def verdict(self, equations: Sequence[str]) -> str:
-        return together([self.found[name].verdict for name in equations])
+        return together([self.verdicts[name].verdict for name in equations])
 
     @property
     def angle(self) -> float:
-        return float(degrees_of(self.farthest))
+        return float(degrees_of(self.worst_view))
 
 
-def attempt(label: str, model: Masking) -> Trial:
-    """Put a model to all equations, from all default views."""
+def case_of(label: str, model: Masking) -> Case:
+    """Validate a model by all equations, from all default views."""
     views = default_views(model.ndf)
     values, bounds = residual(model, "visible_area", views)
     angles = degrees_of(views)
     by_angle = {round(t): decide(values[angles == t], bounds[angles == t], TOLERANCE) for t in np.degrees(THETA).round(2)}
-    farthest = views[np.argmax(np.abs(values))]
-    return Trial(label, model, validate(model, views), by_angle, farthest)
+    worst_view = views[np.argmax(np.abs(values))]
+    return Case(label, model, validate(model, views), by_angle, worst_view)
 
 
 def degrees_of(views: np.ndarray) -> np.ndarray:
@@ -59,46 +59,46 @@ def degrees_of(views: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Row:
-    """One line of a table: a model over all its trials. leading: the equation whose residual is quoted."""
+    """One line of a table: a model over all its parameters. leading: the equation whose residual is quoted."""
 
     name: str
     cite: str
-    trials: tuple[Trial, ...]
+    cases: tuple[Case, ...]
     leading: str
-    family: str  # what varies from trial to trial, in words
+    family: str  # the parameters that vary between the cases, for the wording
 
     def verdict(self, *equations: str) -> str:
-        """holds: in every trial; fails: in at least one."""
-        return together([trial.verdict(equations) for trial in self.trials])
+        """holds: in every case; fails: in at least one."""
+        return together([case.verdict(equations) for case in self.cases])
 
     @property
     def physical(self) -> str:
-        """The talk's question: do the validation equations hold?"""
+        """The talk's question: does the leading validation equation hold?"""
         return self.verdict(self.leading)
 
     @property
-    def worst(self) -> Trial:
-        """The trial that is farthest from the leading equation."""
-        return max(self.trials, key=lambda trial: abs(trial.found[self.leading].residual))
+    def worst(self) -> Case:
+        """The case that is farthest from the leading equation."""
+        return max(self.cases, key=lambda case: abs(case.verdicts[self.leading].residual))
 
     @property
     def value(self) -> float:
         """The leading integral there; 1 if the equation held."""
-        return 1 + self.worst.found[self.leading].residual
+        return 1 + self.worst.verdicts[self.leading].residual
 
     @property
-    def words(self) -> str:
+    def summary(self) -> str:
         """For which of the parameters tried."""
-        return quantified([(trial.label, trial.verdict([self.leading])) for trial in self.trials], self.family)
+        return quantified([(case.label, case.verdict([self.leading])) for case in self.cases], self.family)
 
     def at_angle(self, angle: int) -> str:
-        """The leading verdict if one looked at one view angle only, degrees."""
-        return together([trial.by_angle[angle] for trial in self.trials])
+        """The leading verdict from one view angle only, degrees."""
+        return together([case.by_angle[angle] for case in self.cases])
 
     @property
-    def words_by_angle(self) -> str:
+    def summary_by_angle(self) -> str:
         """For which of the view angles tried."""
-        angles = self.trials[0].by_angle
+        angles = self.cases[0].by_angle
         return quantified([(rf"${angle}^\circ$", self.at_angle(angle)) for angle in angles], "angle")
 
 
@@ -131,7 +131,7 @@ def together(verdicts: Sequence[str]) -> str:
 
 def quantified(outcomes: Sequence[tuple[str, str]], family: str) -> str:
     """`holds for every n tried`, `fails for every n tried except n = 2 pi - 2`, from labelled verdicts."""
-    kinds = {verdict: [label for label, found in outcomes if found == verdict] for verdict in SIGNS}
+    kinds = {kind: [label for label, verdict in outcomes if verdict == kind] for kind in SIGNS}
     main = "fails" if kinds["fails"] else "holds" if kinds["holds"] else "undecided"
     others = [label for verdict, labels in kinds.items() if verdict != main for label in labels]
     if len(others) > len(kinds[main]):

@@ -140,15 +140,15 @@ def test_code_that_changed_is_stale(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert record.stale("fresnel", FRESNEL) == []
     assert record.mark("fresnel", FRESNEL) == ""
     assert record.summary("fresnel", FRESNEL)[1:] == [record.summary("fresnel", FRESNEL)[1], "2", "as it was"]
-    assert "Stale" not in record.told("fresnel", FRESNEL)
-    assert "No times are on record" in record.told("brdf", {})
+    assert "Stale" not in record.note("fresnel", FRESNEL)
+    assert "No times are on record" in record.note("brdf", {})
     changed = dataclasses.replace(FRESNEL["plain"], code=(rivals_fresnel.fresnel_exact,))
     monkeypatch.setitem(FRESNEL, "plain", changed)
-    assert record.stale("fresnel", FRESNEL) == [changed.words]
+    assert record.stale("fresnel", FRESNEL) == [changed.label]
     assert record.mark("fresnel", FRESNEL) == "stale times"
-    assert record.summary("fresnel", FRESNEL)[3] == f"**changed** for 1 of 5: {changed.words}"
+    assert record.summary("fresnel", FRESNEL)[3] == f"**changed** for 1 of 5: {changed.label}"
     assert record.summary("brdf", FRESNEL)[3] == "not measured"
-    assert f"**Stale**: the code has changed since for {changed.words}" in record.told("fresnel", FRESNEL)
+    assert f"**Stale**: the code has changed since for {changed.label}" in record.note("fresnel", FRESNEL)
 
 
 def test_the_front_has_what_nothing_beats() -> None:

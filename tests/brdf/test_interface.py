@@ -10,7 +10,7 @@ import pytest
 from microfacet.brdf.cosine_table import CosineTable
 from microfacet.directions import spherical
 from microfacet.material.fresnel import Fresnel
-from microfacet.validation.chi_square import chance
+from microfacet.validation.chi_square import p_value_of_counts
 from numpy.typing import ArrayLike, NDArray
 from samples import LAST, LAST_SINGLE, UP, uniform, views
 from sampling import density_times_area
@@ -93,8 +93,8 @@ def odds(wi: NDArray[Any], pdf: Any, lost: bool) -> float:
     rest = len(wi) - np.array([expected.sum(), counts.sum()])
     if not lost:
         assert abs(rest).max() < 2e-3 * len(wi)
-        return chance(counts, expected * counts.sum() / expected.sum())
-    return chance(np.append(counts, rest[1]), np.append(expected, rest[0]))
+        return p_value_of_counts(counts, expected * counts.sum() / expected.sum())
+    return p_value_of_counts(np.append(counts, rest[1]), np.append(expected, rest[0]))
 
 
 ROUGH_ENOUGH = [brdf for brdf in EXACT if brdf not in (MATT, MADE_UP[-1])]

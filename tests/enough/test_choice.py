@@ -14,7 +14,7 @@ import pytest
 from microfacet.__main__ import main
 from microfacet.brdf.compensation import Compensated
 from microfacet.enough import candidates, cost
-from microfacet.enough.candidates import Candidate, ladder
+from microfacet.enough.candidates import Candidate, candidates_for
 from microfacet.enough.choice import (
     MEASURES,
     Choice,
@@ -28,7 +28,7 @@ from microfacet.enough.choice import (
     lobe_error,
     quotient,
     sampler,
-    sampler_words,
+    sampler_label,
     sky,
     walk_error,
 )
@@ -49,7 +49,7 @@ def priced(scene: Scene) -> dict[str, float]:
         + MORE[one.compensation]
         + (one.fresnel == "exact")
         + (not one.single) / 2
-        for one in ladder(scene)
+        for one in candidates_for(scene)
     }
 
 
@@ -114,7 +114,7 @@ def test_nothing_cheaper_is_enough(comparison: Comparison, measure: str, toleran
 def test_none_is_said_to_be_enough_where_none_is(comparison: Comparison) -> None:
     made = chosen(comparison, "lobe", 1e-5)
     assert made.chosen is None
-    assert "None of the candidates is known to be enough" in made.told()
+    assert "None of the candidates is known to be enough" in made.summary()
     walk = next(row for row in made.rows if row.candidate.compensation == "walk")
     assert walk.verdict == "open"
 
@@ -237,7 +237,7 @@ def test_places_of_a_sphere_turn_local_directions_to_the_viewer() -> None:
 @pytest.mark.parametrize("point", [Point(0.3, 0.3, 50, 0), Point(0.5, 0.2, 40, 45)])
 def test_a_picture_shows_the_light_of_the_sky(point: Point) -> None:
     """What each place of a ring sends to the viewer, against a mean over samples of the sky."""
-    from microfacet.enough.choice import TURNS, _axes
+    from microfacet.enough.choice import RING_AZIMUTHS, _axes
 
     scene = Scene(0.5, point.theta, ratio=point.alpha_x / point.alpha_y, bounces="one")
     comparison = Comparison(scene, points=(point,))
@@ -249,8 +249,8 @@ def test_a_picture_shows_the_light_of_the_sky(point: Point) -> None:
     weight[up] = brdf.evaluate(point.wo, wi[up]) * wi[up, 2] / brdf.pdf(point.wo, wi[up])
     phi = np.radians(point.phi)
     about = np.array([[np.cos(phi), np.sin(phi), 0], [-np.sin(phi), np.cos(phi), 0], [0, 0, 1]])
-    for k in range(TURNS):
-        frame = _axes(np.radians(point.theta), 2 * np.pi * k / TURNS)
+    for k in range(RING_AZIMUTHS):
+        frame = _axes(np.radians(point.theta), 2 * np.pi * k / RING_AZIMUTHS)
         values = weight * sky(wi @ about.T @ frame)
         seen = float((light[k] * comparison.truth[0].lobe).sum())
         assert abs(seen - values.mean()) < 5 * values.std() / np.sqrt(len(values)) + 1e-3 * seen
@@ -324,7 +324,7 @@ def test_a_verdict_is_open_between_its_bounds(monkeypatch: pytest.MonkeyPatch) -
         made = choice(Comparison(scene), "albedo", tolerance, {})
         assert {row.verdict for row in made.rows} == {verdict}
         assert (made.chosen is None) == (verdict != "within")
-    assert "No candidate is cheaper." in made.told()
+    assert "No candidate is cheaper." in made.summary()
     assert made.chosen is made.rows[0]
 
 
@@ -344,15 +344,15 @@ def test_a_choice_says_what_is_undecided() -> None:
     made = Choice(Scene(0.3), 0.1, "albedo", rows, "walks")
     assert made.chosen is rows[3]
     assert made.failed is rows[1]
-    told = made.told()
-    assert "Next cheaper, and not known to be enough: GGX, Schlick-Smith" in told
-    assert "Undecided of 1 cheaper candidate: more walks would tell." in told
-    assert told.endswith("Errors are relative to walks; each is within its bound but for odds of 1e-05.")
+    summary = made.summary()
+    assert "Next cheaper, and not known to be enough: GGX, Schlick-Smith" in summary
+    assert "Undecided of 1 cheaper candidate: more walks would tell." in summary
+    assert summary.endswith("Errors are relative to walks; each is within its bound but for odds of 1e-05.")
     none = Choice(Scene(0.3, normals="beckmann"), 0.1, "albedo", rows[:3] + rows[4:], "surfaces", beyond=Error(0.25, 0.01))
-    assert "Undecided of 2 candidates: more surfaces would tell." in none.told()
-    assert "The nearest: GGX, Schlick-Smith" in none.told()
-    assert none.told().endswith("that model itself is 0.25 ± 0.01 from ray-traced surfaces.")
-    assert "Undecided" not in Choice(Scene(0.3), 0.1, "albedo", (rows[0], rows[3]), "walks").told()
+    assert "Undecided of 2 candidates: more surfaces would tell." in none.summary()
+    assert "The nearest: GGX, Schlick-Smith" in none.summary()
+    assert none.summary().endswith("that model itself is 0.25 ± 0.01 from ray-traced surfaces.")
+    assert "Undecided" not in Choice(Scene(0.3), 0.1, "albedo", (rows[0], rows[3]), "walks").summary()
 
 
 def test_how_far_walks_are_from_surfaces_is_told_at_the_largest_roughness(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -402,9 +402,9 @@ def test_the_mean_square_of_weights_is_that_of_samples(name: str, ratio: float) 
 
 
 def test_samplers_rank_by_time_for_a_given_noise() -> None:
-    assert sampler_words({"normals": (10.0, 3.0), "visible": (20.0, 1.0)}).startswith("visible normals (20.0 ns, mean")
-    assert sampler_words({"normals": (10.0, 1.5), "visible": (20.0, 1.0)}).startswith("all normals (10.0 ns, mean")
-    unknown = sampler_words({"normals": (np.nan, 1.5), "visible": (1e9, 1.2)})
+    assert sampler_label({"normals": (10.0, 3.0), "visible": (20.0, 1.0)}).startswith("visible normals (20.0 ns, mean")
+    assert sampler_label({"normals": (10.0, 1.5), "visible": (20.0, 1.0)}).startswith("all normals (10.0 ns, mean")
+    unknown = sampler_label({"normals": (np.nan, 1.5), "visible": (1e9, 1.2)})
     assert unknown == (
         "visible normals (1000000000.0 ns, mean square weight 1.2) before all normals (not timed, mean square weight 1.5)"
     )
@@ -485,7 +485,7 @@ def test_every_time_that_a_scene_asks_for_has_a_benchmark() -> None:
     for normals in ("ggx", "beckmann"):
         for material in (None, mf.Dielectric(1.3), mf.Conductor(1, 2)):
             scene = Scene(0.3, normals=normals, fresnel=material, ratio=2)
-            assert {cost.name_of(one, scene.material) for one in ladder(scene)} <= set(rivals_models.METHODS)
+            assert {cost.name_of(one, scene.material) for one in candidates_for(scene)} <= set(rivals_models.METHODS)
 
 
 def test_times_are_the_least_of_all_rounds(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -544,7 +544,7 @@ def test_unknown_costs_come_last_and_crudest_first() -> None:
 
 def test_a_ladder_has_every_sensible_form_once() -> None:
     def count(**more: Any) -> int:
-        made = ladder(Scene(0.3, **more))
+        made = candidates_for(Scene(0.3, **more))
         assert len(set(made)) == len(made)
         return len(made)
 
@@ -555,7 +555,7 @@ def test_a_ladder_has_every_sensible_form_once() -> None:
     assert count(precision="double", fresnel=METAL) == 2 * (5 + 2) + 1
     assert count(precision="double", ratio=2) == count(precision="double", ratio=1.01) == 2 * (5 + 2 + 1)
     assert count(precision="double", normals="beckmann") == 2 * (5 + 2 + 1)
-    assert not any(one.single for one in ladder(Scene(0.3, precision="double")))
+    assert not any(one.single for one in candidates_for(Scene(0.3, precision="double")))
 
 
 def test_a_candidate_is_made_of_its_parts() -> None:
@@ -568,7 +568,7 @@ def test_a_candidate_is_made_of_its_parts() -> None:
     assert mean.brdf(METAL, point).model.k == pytest.approx(0.1)
     beckmann = replace(mean, normals="beckmann").brdf(METAL, point).model
     assert beckmann.k == pytest.approx(0.2 * np.sqrt(2 / np.pi))
-    assert mean.words == "GGX, Schlick-Smith, Schlick's Fresnel, single scattering, single precision"
+    assert mean.label == "GGX, Schlick-Smith, Schlick's Fresnel, single scattering, single precision"
 
 
 # --- the command ----------------------------------------------------------------------------------------------------------

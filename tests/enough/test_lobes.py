@@ -97,11 +97,11 @@ def test_what_two_lobes_share_is_no_error_of_their_difference() -> None:
 def test_a_range_of_lights_and_its_rest_are_the_whole() -> None:
     rng = np.random.default_rng(1)
     theta, reach = rng.uniform(0, 90, 1000), rng.uniform(0, 10, 1000)
-    near, far, whole = (Scene(0.5, light=r).lit_share(theta, reach) for r in ((0, 37), (37, 90), (0, 90)))
+    near, far, whole = (Scene(0.5, light=r).illuminated_fraction(theta, reach) for r in ((0, 37), (37, 90), (0, 90)))
     np.testing.assert_array_equal(whole, 1)
     np.testing.assert_allclose(near + far, 1, atol=1e-12)
     assert ((near == 1) == (theta + reach <= 37)).all()
-    half = Scene(0.5, light=(30, 37)).lit_share(np.array([37.0, 30.0, 33.0, 20.0]), np.array([1.0, 2.0, 0.0, 0.0]))
+    half = Scene(0.5, light=(30, 37)).illuminated_fraction(np.array([37.0, 30.0, 33.0, 20.0]), np.array([1.0, 2.0, 0.0, 0.0]))
     np.testing.assert_allclose(half, [0.5, 0.5, 1, 0])
 
 
@@ -110,7 +110,9 @@ def test_light_in_a_range_is_what_samples_leave_there(light: tuple[float, float]
     point, scene = Point(0.4, 0.4, 30, 0), Scene(0.4, light=light)
     brdf = mf.Microfacet(mf.Smith(mf.GGX(0.4)))
     wi = brdf.sample(point.wo, uniform(1 << 18, 4))
-    weight = np.where(scene.lit(wi), brdf.weight(point.wo, wi) if hasattr(brdf, "weight") else weight_of(brdf, point.wo, wi), 0)
+    weight = np.where(
+        scene.illuminates(wi), brdf.weight(point.wo, wi) if hasattr(brdf, "weight") else weight_of(brdf, point.wo, wi), 0
+    )
     found = ruled(brdf.evaluate, scene, point)
     error = found.error().sum() + 5 * weight.std() / 512 + 40 / (1 << 18)
     assert abs(found.lobe.sum() - weight.mean()) <= error
@@ -247,7 +249,7 @@ def test_one_bounce_needs_no_walk() -> None:
     found = walked(Scene(0.3, bounces="one"), Point(0.3, 0.3, 40, 0), 2)
     assert found.bound(total) == found.misplaced() == 0
     np.testing.assert_array_equal(found.lobe, found.once.lobe)
-    assert found.words == "Smith's model"
+    assert found.label == "Smith's model"
 
 
 @pytest.mark.slow
@@ -257,7 +259,7 @@ def test_surfaces_say_what_rays_may_have_missed() -> None:
     assert found.rare == pytest.approx(RARE / (2 * SIDE**2))
     assert found.bound(total) >= found.rare
     assert not found.lossless
-    assert found.words == "2 ray-traced surfaces"
+    assert found.label == "2 ray-traced surfaces"
     mirrors = surface(Scene(0.3, normals="beckmann"), point, 2)
     assert mirrors.bound(total) < 1e-12
     assert found.unknown == mirrors.unknown == 0

@@ -30,7 +30,7 @@ def method(error: Callable[[int], float], sizes: tuple[int, ...] = (10, 100, 100
 def row(one: Method, seconds: Callable[[int], float], spread: float = 0.1) -> dict[str, Any]:
     """Quartiles around a median for each size."""
     times = [[seconds(n) * (1 - spread), seconds(n), seconds(n) * (1 + spread)] for n in one.sizes]
-    return {"fingerprint": one.fingerprint, "sizes": list(one.sizes), "seconds": times, "words": one.words}
+    return {"fingerprint": one.fingerprint, "sizes": list(one.sizes), "seconds": times, "words": one.label}
 
 
 @pytest.fixture

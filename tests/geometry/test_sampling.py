@@ -8,7 +8,7 @@ import pytest
 from around import whole_hemisphere
 from hypothesis import given
 from hypothesis import strategies as st
-from microfacet.validation.chi_square import agreement
+from microfacet.validation.chi_square import p_value
 from samples import LAST, LAST_SINGLE, NORMALISED, UP, uniform
 from sampling import density_times_area
 
@@ -41,7 +41,7 @@ def test_distributions_without_norm_are_sampled_by_normalised_ones(ndf: mf.Beckm
 def test_counts_follow_the_density(ndf: mf.Beckmann, real: type) -> None:
     normals = ndf.sample(uniform(200_000, 1, real))
     assert normals.dtype == real
-    assert agreement(normals, ndf.pdf, UP, ndf.slope_scale) > 1e-4
+    assert p_value(normals, ndf.pdf, UP, ndf.slope_scale) > 1e-4
 
 
 def test_counts_tell_swapped_axes_and_an_isotropic_lobe_apart() -> None:
@@ -49,7 +49,7 @@ def test_counts_tell_swapped_axes_and_an_isotropic_lobe_apart() -> None:
     ndf = mf.GGX(0.5, 0.2)
     normals = ndf.sample(uniform(200_000))
     for wrong in (mf.GGX(0.2, 0.5), mf.GGX(0.1**0.5), mf.GGX(0.52, 0.2), mf.Beckmann(0.5, 0.2)):
-        assert agreement(normals, wrong.pdf, UP, ndf.slope_scale) < 1e-6
+        assert p_value(normals, wrong.pdf, UP, ndf.slope_scale) < 1e-6
 
 
 @pytest.mark.parametrize("ndf", [*NORMALISED, *NARROW, mf.GGX(1e-4), mf.GGX(10.0)], ids=repr)

@@ -305,10 +305,10 @@ def test_frame_that_divides_by_z_plus_one() -> None:
 
 def test_expected_counts_integrated_too_coarsely(monkeypatch: pytest.MonkeyPatch) -> None:
     """A right sampler is rejected: the remedy is finer cells."""
-    fine = chi_square.SlopeCells.shares
+    fine = chi_square.SlopeCells.integrals
     model = mf.Smith(mf.Beckmann(0.05))
     assert not red("visibility/test_visible_normals:counts_follow_the_density", model, np.float64)
-    monkeypatch.setattr(chi_square.SlopeCells, "shares", lambda cells, density: fine(cells, density, 1))
+    monkeypatch.setattr(chi_square.SlopeCells, "integrals", lambda cells, density: fine(cells, density, 1))
     assert red("visibility/test_visible_normals:counts_follow_the_density", model, np.float64)
 
 

@@ -22,5 +22,5 @@ def test_whole_percentages_stay() -> None:
 
 @pytest.mark.parametrize("shares", [[0.5, -0.1], [0.0]])
 def test_shares_that_are_none_are_named(shares: list[float]) -> None:
-    with pytest.raises(ValueError, match=f"shares must be .*{shares[-1]:g}"):
+    with pytest.raises(ValueError, match=f"fractions must be .*{shares[-1]:g}"):
         percentages(shares)

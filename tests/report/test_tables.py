@@ -41,16 +41,16 @@ def test_masking_functions_are_those_of_slide_58(masking: verdicts.Table) -> Non
 
 def test_blinn_phong_passes_at_one_exponent(distributions: verdicts.Table) -> None:
     assert float(tables.passing_exponent()) == pytest.approx(2 * np.pi - 2, abs=1e-15)
-    trials = distributions["Blinn-Phong"].trials
-    (only,) = [trial for trial in trials if trial.found["projected_area"].verdict == "holds"]
+    cases = distributions["Blinn-Phong"].cases
+    (only,) = [case for case in cases if case.verdicts["projected_area"].verdict == "holds"]
     assert isinstance(only.model.ndf, BlinnPhong)
     assert only.model.ndf.n == float(tables.passing_exponent())
-    assert distributions["Blinn-Phong"].words == r"fails for every $n$ tried except $n = 2 \pi - 2$"
+    assert distributions["Blinn-Phong"].summary == r"fails for every $n$ tried except $n = 2 \pi - 2$"
 
 
 def test_quadrature_meets_every_closed_form(distributions: verdicts.Table, masking: verdicts.Table) -> None:
     rows = [*distributions.rows, *masking.rows]
-    compared = [(1 + t.found[row.leading].residual, t.exact) for row in rows for t in row.trials if t.exact is not None]
+    compared = [(1 + t.verdicts[row.leading].residual, t.exact) for row in rows for t in row.cases if t.exact is not None]
     assert len(compared) > 60
     np.testing.assert_allclose(*np.array(compared).T, rtol=1e-10)
 
@@ -66,20 +66,22 @@ def test_normal_incidence_alone_lets_wrong_functions_through(masking: verdicts.T
 
 
 def test_halved_schlick_smith_is_smith_at_one_roughness(masking: verdicts.Table) -> None:
-    assert masking["Schlick-Smith, halved"].words.endswith(r"except GGX $\alpha = 1$")
+    assert masking["Schlick-Smith, halved"].summary.endswith(r"except GGX $\alpha = 1$")
 
 
 def test_kelemen_shows_the_area_from_above() -> None:
-    trial = verdicts.attempt("", Kelemen(Beckmann(0.4)))
-    assert tables.exact_share(trial.model, np.array([0.0, 0.0, 1.0])) == pytest.approx(float(beckmann.area.exact(0.4)))
-    assert tables.exact_share(trial.model, np.array([0.6, 0.0, 0.8])) is None
+    case = verdicts.case_of("", Kelemen(Beckmann(0.4)))
+    assert tables.exact_visible_fraction(case.model, np.array([0.0, 0.0, 1.0])) == pytest.approx(
+        float(beckmann.area.exact(0.4))
+    )
+    assert tables.exact_visible_fraction(case.model, np.array([0.6, 0.0, 0.8])) is None
 
 
 def test_a_wrong_norm_turns_every_tick() -> None:
     """What breaks the distribution's norm breaks every model over it: ticks can turn."""
-    wrong = verdicts.attempt("", VCavity(BlinnPhong(3.0)))
-    assert {wrong.found[name].verdict for name in INTEGRALS} == {"fails"}
-    assert verdicts.attempt("", Smith(Beckmann(0.3, 0.5))).verdict(INTEGRALS) == "holds"
+    wrong = verdicts.case_of("", VCavity(BlinnPhong(3.0)))
+    assert {wrong.verdicts[name].verdict for name in INTEGRALS} == {"fails"}
+    assert verdicts.case_of("", Smith(Beckmann(0.3, 0.5))).verdict(INTEGRALS) == "holds"
 
 
 def test_every_row_has_a_cell_under_every_header(distributions: verdicts.Table, masking: verdicts.Table) -> None:

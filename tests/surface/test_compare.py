@@ -12,8 +12,8 @@ from microfacet.surface.compare import (
     apart,
     coarse,
     folded,
+    illuminated_fraction,
     in_plane,
-    lit_of,
     lobe_of,
     noise,
     normals_of,
@@ -48,18 +48,18 @@ def test_binned_visible_normals_fill_the_view(ndf: mf.Beckmann) -> None:
             assert normals_of(make(ndf), wo, PLAN).sum() == pytest.approx(1, abs=2e-3)
 
 
-def test_the_lit_share_of_smith_is_a_quotient() -> None:
+def test_the_illuminated_fraction_of_smith_is_a_quotient() -> None:
     wo, wi = VIEWS[1], spherical(1.0, -0.5)
     for form in ("height", "direction"):
         model = mf.Smith(mf.Beckmann(0.7), form)
         up = [0, 0, 1]
-        assert lit_of(model, wo, wi) == pytest.approx(model.G2(wo, wi, up) / model.G1(wo, up), rel=1e-9)
+        assert illuminated_fraction(model, wo, wi) == pytest.approx(model.G2(wo, wi, up) / model.G1(wo, up), rel=1e-9)
 
 
-def test_the_lit_share_of_v_cavities_is_all_from_the_viewer() -> None:
+def test_the_illuminated_fraction_of_v_cavities_is_1_from_the_viewer() -> None:
     model = mf.VCavity(mf.Beckmann(0.7))
-    assert lit_of(model, VIEWS[2], VIEWS[2]) == pytest.approx(1, abs=1e-12)
-    assert 0.5 < lit_of(model, VIEWS[2], spherical(1.3, 1.0)) < 0.99
+    assert illuminated_fraction(model, VIEWS[2], VIEWS[2]) == pytest.approx(1, abs=1e-12)
+    assert 0.5 < illuminated_fraction(model, VIEWS[2], spherical(1.3, 1.0)) < 0.99
 
 
 def test_total_variation_is_a_distance_of_shapes() -> None:
@@ -170,15 +170,15 @@ def test_all_physical_models_are_compared() -> None:
     assert {model.correlation for name, model in found.items() if name != "V-cavities"} == set(compare.CORRELATIONS)
 
 
-def test_the_lit_share_is_a_mean_over_the_facets_turned_to_both() -> None:
+def test_the_illuminated_fraction_is_a_mean_over_the_facets_turned_to_both() -> None:
     """Against drawn visible normals, of those that face the light."""
     model, wo, wi = mf.VCavity(mf.Beckmann(0.8, 0.4)), VIEWS[2], spherical(1.3, 1.0)
     wm = mf.Smith(model.ndf).sample_visible(wo, np.random.default_rng(3).random((1 << 18, 2)))
     # drawn as Smith sees them; G1 of V-cavities weighs them again
     facing = (wm @ wi > 0) & (wm @ wo > 0)
     both, seen = model.G2(wo, wi, wm[facing]), model.G1(wo, wm[facing])
-    assert lit_of(model, wo, wi) == pytest.approx(both.sum() / seen.sum(), rel=5e-3)
-    assert lit_of(model, wo, wi, reach=2.0) != pytest.approx(lit_of(model, wo, wi), rel=1e-4)
+    assert illuminated_fraction(model, wo, wi) == pytest.approx(both.sum() / seen.sum(), rel=5e-3)
+    assert illuminated_fraction(model, wo, wi, reach=2.0) != pytest.approx(illuminated_fraction(model, wo, wi), rel=1e-4)
 
 
 # --- distances --------------------------------------------------------------------------------------------------------------

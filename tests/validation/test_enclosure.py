@@ -116,7 +116,7 @@ def test_crosses_agree_with_quadrature():
             stated = equations[f"validation.table2.{name}"].equals
             values = [balls.exact(stated, (enclosure.alpha, enclosure.mu_o))(alpha, mu) for mu in wo[:, 2]]
             np.testing.assert_allclose(computed, [float(v) for v in values], atol=1e-11)
-    for seen, ndf in ((enclosure._beckmann_seen, mf.Beckmann(0.4)), (enclosure._ggx_seen, mf.GGX(0.4))):
+    for seen, ndf in ((enclosure.beckmann_visible_area, mf.Beckmann(0.4)), (enclosure.ggx_visible_area, mf.GGX(0.4))):
         computed = residual(mf.Kelemen(ndf), "visible_area", wo)[0] + 1
         with balls.precision(80):
             exact = [float(seen(balls.ball(0.4), balls.ball(z / math.sqrt(1 - z * z) / 0.4))) for z in wo[:, 2]]

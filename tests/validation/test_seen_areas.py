@@ -41,7 +41,7 @@ def test_the_error_bounds_what_is_off_of_many(count: int, most: int) -> None:
 
 
 def test_a_bound_a_hundred_times_smaller_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(adaptive, "SURE", adaptive.SURE / 100)
+    monkeypatch.setattr(adaptive, "ERROR_FACTOR", adaptive.ERROR_FACTOR / 100)
     assert outside(hostile(5 * len(KINDS), 100), 20000) != []
 
 
@@ -56,7 +56,7 @@ def spots() -> Iterator[Hostile]:
 
 def test_a_look_finds_spots_between_the_nodes_of_the_first_boxes(monkeypatch: pytest.MonkeyPatch) -> None:
     assert max(off_over_error(case, 40000)[0] for case in spots()) <= 1
-    monkeypatch.setattr(adaptive, "_looked", lambda integrand: integrand.boxes())
+    monkeypatch.setattr(adaptive, "_first_boxes", lambda integrand: integrand.boxes())
     assert max(off_over_error(case, 40000)[0] for case in spots()) > 1e6
 
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from microfacet.directions import spherical
-from microfacet.validation.chi_square import agreement
+from microfacet.validation.chi_square import p_value
 from samples import LAST, LAST_SINGLE, UP, uniform, views
 from sampling import density_times_area
 
@@ -55,7 +55,7 @@ def test_counts_follow_the_density(model: mf.Smith, real: type) -> None:
         assert normals.dtype == real
         kept = normals[normals @ wo.astype(real) > 0] if real is np.float32 else normals
         assert len(normals) - len(kept) < 10  # rounding puts few single-precision normals at the very edge
-        assert agreement(kept, lambda m, wo=wo: model.D_visible(wo, m), wo, model.ndf.slope_scale) > 1e-5
+        assert p_value(kept, lambda m, wo=wo: model.D_visible(wo, m), wo, model.ndf.slope_scale) > 1e-5
 
 
 def test_counts_tell_wrong_densities_apart() -> None:
@@ -63,7 +63,7 @@ def test_counts_tell_wrong_densities_apart() -> None:
     model, wo = mf.Smith(mf.GGX(0.5, 0.2)), views(60)[0]
     normals = model.sample_visible(wo, uniform(60_000))
     for wrong in (mf.Smith(mf.GGX(0.2, 0.5)), mf.Smith(mf.GGX(0.1**0.5)), mf.Smith(mf.GGX(0.53, 0.2))):
-        assert agreement(normals, lambda m, wrong=wrong: wrong.D_visible(wo, m), wo, model.ndf.slope_scale) < 1e-6
+        assert p_value(normals, lambda m, wrong=wrong: wrong.D_visible(wo, m), wo, model.ndf.slope_scale) < 1e-6
 
 
 @pytest.mark.parametrize("model", MODELS, ids=repr)

@@ -85,14 +85,14 @@ def test_a_failing_check_stops_the_report_but_not_the_figures(built: Checkout) -
 
 
 def test_a_statement_that_measurements_refute_stops_the_report(built: Checkout) -> None:
-    trials = "lib/report/trials.py"
-    built.edit(trials, '"status": "pass", "detail": "1000 samples', '"status": "fail", "detail": "refuted: 1000 samples')
+    tests = "lib/report/significance_tests.py"
+    built.edit(tests, '"status": "pass", "detail": "1000 samples', '"status": "fail", "detail": "refuted: 1000 samples')
     done = built.snakemake()
     assert done.returncode != 0
     assert "1 of 3 statements failed" in done.stdout
     assert "visibility.G1; measured: refuted: 1000 samples" in done.stdout
     assert not built.path(PDF).exists()
-    built.edit(trials, '"status": "fail", "detail": "refuted: 1000', '"status": "pass", "detail": "1000')
+    built.edit(tests, '"status": "fail", "detail": "refuted: 1000', '"status": "pass", "detail": "1000')
     assert built.snakemake().returncode == 0
 
 

@@ -65,8 +65,8 @@ def test_the_margin_of_a_cross_is_its_nearer_end(low: float, high: float, margin
 def test_what_is_not_said_counts_as_one_or_as_exact() -> None:
     assert ledger.proof_figures({}) == {"claims": 1}
     assert ledger.enclosure_figures({})["count"] == 1
-    assert ledger.trial_figures({}) == {"count": 1, "error": 0.0}
-    assert ledger.trial_figures({"count": 7, "error": 0.25}) == {"count": 7, "error": 0.25}
+    assert ledger.significance_figures({}) == {"count": 1, "error": 0.0}
+    assert ledger.significance_figures({"count": 7, "error": 0.25}) == {"count": 7, "error": 0.25}
     assert ledger.kernel_figures({"float64": {"ulps": 1.23456, "promised": 4}}) == {"float64": 1.23, "promised float64": 4.0}
 
 

@@ -20,7 +20,7 @@ from microfacet import balls
 from microfacet.brdf.base import BRDF
 from microfacet.brdf.later_bounces import SecondFacets
 from microfacet.brdf.specular import BRDFParameters, D_h, Microfacet, added, divided, mu
-from microfacet.confidence import mean_bound
+from microfacet.confidence import Estimate, mean_bound
 from microfacet.directions import as_uniform, as_vectors, whole
 from microfacet.geometry import ggx
 from microfacet.geometry.facets import ggx_facet
@@ -352,13 +352,6 @@ def connections(
 
 AT_ONCE = 1 << 17  # walks held in memory
 IN_A_ROW = 4096  # walks from one view to one light that are not interrupted: some hundredths of a second
-
-
-class Estimate(NamedTuple):
-    """A mean over walks and its error: a bound, or where that is said its standard error."""
-
-    value: Any
-    error: Any
 
 
 class Walks(NamedTuple):

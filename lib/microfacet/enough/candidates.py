@@ -40,11 +40,11 @@ MASKINGS: dict[str, tuple[str, Callable[[Any], Masking]]] = {
     "height": ("Smith, height-correlated", Smith),
     "v_cavity": ("V-cavities", VCavity),
 }
-LEFT_OUT = (Smith, SchlickSmith, Kelemen)  # families that are there in the forms above, or that no scene asks for
+LEFT_OUT = (Smith, SchlickSmith, Kelemen)  # families with forms of their own above, or that no scene needs
 
 
 def maskings() -> dict[str, tuple[str, Callable[[Any], Masking]]]:
-    """The masking functions to choose from, in words and how they are made: those above, then all other families."""
+    """Label and constructor of each masking function to choose from: those above, then all other families."""
     known = (*LEFT_OUT, *(make for _, make in MASKINGS.values()))
     more = {key_of(kind): (kind.label, kind) for kind in families(Masking) if kind not in known}
     return {**MASKINGS, **more}
@@ -58,8 +58,8 @@ class Candidate:
     """One form of each part, by name.
 
     normals: a key of `normals_by_name`. masking: one of `maskings`. fresnel: "mirror", "schlick" or "exact". anisotropic: two
-    roughnesses, or their geometric mean for both. compensation: what is done about light that bounces again, a key of
-    `COMPENSATIONS`. single: whether numbers are of single precision.
+    roughnesses, or their geometric mean for both. compensation: the treatment of multiple scattering, a key of
+    `COMPENSATIONS`. single: whether it computes in single precision.
     """
 
     normals: str
@@ -95,16 +95,16 @@ class Candidate:
         return lambda wo, wi: walk.evaluate(wo, wi, walks=2)
 
     def lobe(self, scene: Scene, point: Point, walks: int) -> Ruled:
-        """What it sends into each bin; the random walk's own is a mean over many walks."""
+        """The candidate's lobe, light by bin; the random walk's own is a mean over many walks."""
         if self.compensation == "walk":
-            found = walked(scene, point, walks, self.ndf(point))
-            return Ruled(found.lobe, found.once.coarse + (found.lobe - found.once.lobe))
+            reference = walked(scene, point, walks, self.ndf(point))
+            return Ruled(reference.lobe, reference.once.coarse + (reference.lobe - reference.once.lobe))
         evaluate = self.evaluate(scene.material, point)
         return ruled(lambda wo, wi: evaluate(wo.astype(self.real), wi.astype(self.real)), scene, point)
 
     @property
-    def words(self) -> str:
-        """In words, part by part."""
+    def label(self) -> str:
+        """All parts in one line."""
         return ", ".join(self.parts())
 
     def parts(self) -> tuple[str, ...]:
@@ -125,8 +125,8 @@ def _compensated(one: Candidate, exact: Fresnel, point: Point) -> Compensated:
     return Compensated(one.brdf(exact, point), one.compensation)
 
 
-def ladder(scene: Scene) -> list[Candidate]:
-    """All models for a scene, the crudest first: more complete distributions, maskings, ... later."""
+def candidates_for(scene: Scene) -> list[Candidate]:
+    """All models for a scene, the crudest first: more complete distributions, maskings, ... come later."""
     first = list(dict.fromkeys(["ggx", scene.normals]))
     forms: list[list[Any]] = [
         [one == np.float32 for one in PRECISIONS[scene.precision][::-1]],
@@ -141,7 +141,7 @@ def ladder(scene: Scene) -> list[Candidate]:
 
 
 def _sensible(one: Candidate) -> bool:
-    """Energy is put back where it is Smith's model that lost it; and the walk is the most complete of all."""
+    """Compensation is for the energy that Smith's model loses; the walk is the most complete model of all."""
     if one.compensation == "none":
         return True
     whole = one.masking == "height"

@@ -1,4 +1,4 @@
-"""The cheapest model that is near enough to the most complete one, and how it was found.
+"""The choice of the cheapest model within a tolerance of the most complete one.
 
 Sources: heitz2016 (the random walk), turquin2019 and kulla2017 (energy put back), heitz2014 (all else).
 """
@@ -20,7 +20,7 @@ from microfacet.brdf.specular import Microfacet
 from microfacet.confidence import ODDS
 from microfacet.directions import one_of, positive, whole
 from microfacet.enough import cost
-from microfacet.enough.candidates import Candidate, ladder
+from microfacet.enough.candidates import Candidate, candidates_for
 from microfacet.enough.lobes import Array, Reference, Ruled, binned, lobe_of, nodes, surface, walked
 from microfacet.enough.scene import PRECISIONS, Point, Scene
 from microfacet.visibility.smith import Smith
@@ -30,13 +30,13 @@ MEASURES = {
     "lobe": "the share of the reflected light that goes elsewhere",
     "picture": "the mean relative error of spheres under a sky with a sun",
 }
-SUN, SKY = (0.6, 0.64, 0.48), (0.3, 0.7, 5.0, 20.0)  # where it stands; ground, sky, sun, how narrow
-TURNS = 12  # places along each ring of the sphere
+SUN, SKY = (0.6, 0.64, 0.48), (0.3, 0.7, 5.0, 20.0)  # direction of the sun; ground, sky, sun, its concentration
+RING_AZIMUTHS = 12  # points along each ring of the sphere
 SURFACES, WALKS = 8, 1 << 16
 
 
 class Error(NamedTuple):
-    """A candidate's error, and a bound on what is not known about it."""
+    """A candidate's error, and a bound on the uncertainty of that."""
 
     value: float
     bound: float
@@ -46,12 +46,12 @@ class Error(NamedTuple):
 
 
 def albedo_error(lobe: Ruled, truth: Reference) -> Error:
-    """Difference of the two sums."""
+    """Absolute difference of the two albedos."""
     return Error(abs(float(lobe.lobe.sum() - truth.lobe.sum())), float(lobe.error(truth.once).sum()) + _light_error(truth))
 
 
 def lobe_error(lobe: Ruled, truth: Reference) -> Error:
-    """Half the sum of all differences, over the light there is, which is not known exactly either."""
+    """Half the sum of all differences, over the total light, which is itself uncertain."""
     light = float(truth.lobe.sum())
     light_bound = _light_error(truth) + float(truth.once.error().sum())
     off = 0.5 * float(abs(lobe.lobe - truth.lobe).sum())
@@ -60,7 +60,7 @@ def lobe_error(lobe: Ruled, truth: Reference) -> Error:
 
 
 def quotient(above: float, above_bound: float, below: float, below_bound: float) -> Error:
-    """A quotient of two numbers that are known within bounds; nothing is known of it where the one below may be 0."""
+    """A quotient of two numbers that are known within bounds; its bound is infinite where the denominator may be 0."""
     if not below > below_bound:
         return Error(0.0, math.inf)
     value = above / below
@@ -79,36 +79,39 @@ def sky(w: Array) -> Array:
 
 
 def _light(point: Point, scene: Scene) -> Array:
-    """Mean radiance in each bin for each place of a ring of the sphere, (TURNS, ROWS, COLUMNS), as its whole light sees it."""
+    """Mean radiance in each bin for each point of a ring of the sphere, (RING_AZIMUTHS, ROWS, COLUMNS)."""
     rule = nodes(point)
     weight = rule.weight * Microfacet(Smith(point.ndf(scene.normals))).evaluate(point.wo, rule.wi)
     total = np.maximum(binned(weight), 1e-300)
     theta, phi = math.radians(point.theta), math.radians(point.phi)
-    turned = rule.wi @ np.array([[math.cos(phi), -math.sin(phi), 0], [math.sin(phi), math.cos(phi), 0], [0, 0, 1]])
+    global_wi = rule.wi @ np.array([[math.cos(phi), -math.sin(phi), 0], [math.sin(phi), math.cos(phi), 0], [0, 0, 1]])
     return np.array(
-        [binned(weight * sky(turned @ _axes(theta, turn))) / total for turn in 2 * math.pi * np.arange(TURNS) / TURNS]
+        [
+            binned(weight * sky(global_wi @ _axes(theta, azimuth))) / total
+            for azimuth in 2 * math.pi * np.arange(RING_AZIMUTHS) / RING_AZIMUTHS
+        ]
     )
 
 
-def _seen_under(light: Array) -> Callable[[Array], Array]:
-    """What lobes (n, ...) send to the viewer from each place, (n, TURNS)."""
+def _radiance_under(light: Array) -> Callable[[Array], Array]:
+    """Radiance that lobes (n, ...) send to the viewer from each point of a ring, (n, RING_AZIMUTHS)."""
 
-    def seen(lobes: Array) -> Array:
+    def radiance(lobes: Array) -> Array:
         total: Array = np.einsum("tij,nij->nt", light, lobes)
         return total
 
-    return seen
+    return radiance
 
 
-def _axes(theta: float, turn: float) -> Array:
-    """Local axes, one a row, of a place on a sphere that is seen from +z: towards the view, across it, the normal."""
-    c, s = math.cos(turn), math.sin(turn)
+def _axes(theta: float, azimuth: float) -> Array:
+    """Local axes, one a row, at a point of a sphere viewed from +z: towards the view, across it, the normal."""
+    c, s = math.cos(azimuth), math.sin(azimuth)
     towards = [-math.cos(theta) * c, -math.cos(theta) * s, math.sin(theta)]
     return np.array([towards, [s, -c, 0], [math.sin(theta) * c, math.sin(theta) * s, math.cos(theta)]])
 
 
 class Measured(NamedTuple):
-    """A candidate: its error at the worst of all places, and its least and largest error there as far as is known."""
+    """A candidate's error at the worst of all points, and the lower and upper bound of the largest error."""
 
     error: Error
     least: float
@@ -119,10 +122,10 @@ class Measured(NamedTuple):
 
 
 class Comparison:
-    """All candidates for a scene beside the most complete model, at every point of the scene.
+    """All candidates for a scene compared with the most complete model, at every point of the scene.
 
-    surfaces: ray-traced, for Gaussian slopes; walks: of light through Smith's model, for GGX. points: of the scene, by
-    default its own.
+    surfaces: number of ray-traced surfaces, for Gaussian slopes; walks: number of walks through Smith's model, for GGX.
+    points: by default the scene's.
     """
 
     def __init__(
@@ -134,7 +137,7 @@ class Comparison:
 
     @cached_property
     def candidates(self) -> list[Candidate]:
-        return ladder(self.scene)
+        return candidates_for(self.scene)
 
     @cached_property
     def truth(self) -> list[Reference]:
@@ -172,19 +175,22 @@ class Comparison:
         return [_light(point, self.scene) for point in self.points]
 
     def _picture(self, one: Candidate, ring: list[int]) -> Error:
-        """Mean over a sphere of the relative error of what is seen, every ring by the area it has in the picture."""
+        """Mean over a sphere of the relative error of radiance, every ring weighted by its area in the picture."""
         theta = np.radians([self.points[at].theta for at in ring])
         area = np.sin(2 * theta) if len(ring) > 1 else np.ones(1)
         off, noise = np.zeros(len(ring)), np.zeros(len(ring))
         for k, at in enumerate(ring):
             light, truth, lobe = self._skies[at], self.truth[at], self.lobes(one)[at]
-            seen, sent = (np.einsum("tij,ij->t", light, sums) for sums in (truth.lobe, lobe.lobe))
+            expected, sent = (np.einsum("tij,ij->t", light, sums) for sums in (truth.lobe, lobe.lobe))
             scatter, rule, once = (
-                truth.bound(_seen_under(light)),
+                truth.bound(_radiance_under(light)),
                 *(np.einsum("tij,ij->t", light, sums) for sums in (lobe.error(truth.once), truth.once.error())),
             )
-            found = [quotient(*numbers) for numbers in zip(abs(sent - seen), scatter + rule, seen, scatter + once, strict=True)]
-            off[k], noise[k] = np.mean(found, axis=0)
+            errors = [
+                quotient(*numbers)
+                for numbers in zip(abs(sent - expected), scatter + rule, expected, scatter + once, strict=True)
+            ]
+            off[k], noise[k] = np.mean(errors, axis=0)
         return Error(float(area @ off / area.sum()), float(area @ noise / area.sum()))
 
 
@@ -240,28 +246,28 @@ class Choice:
 
     @property
     def failed(self) -> Row | None:
-        """The next cheaper candidate worth having, which is not enough or not known to be; none if the cheapest is chosen.
+        """The best of the candidates that are cheaper than the chosen one; None if the cheapest is chosen.
 
-        Worth having is one that is nearer than all that are cheaper still.
+        It is beyond the tolerance, or not known to be within it.
         """
         at = next((k for k, row in enumerate(self.rows) if row.verdict == "within"), len(self.rows))
         return min(self.rows[:at], key=lambda row: row.measured.most, default=None)
 
-    def told(self) -> str:
+    def summary(self) -> str:
         """The choice in sentences."""
         lines = [f"{self.scene}; tolerance {self.tolerance:g} on {self.measure} ({MEASURES[self.measure]})."]
         if self.chosen:
-            lines.append(f"Enough: {self.chosen.candidate.words}: {_numbers(self.chosen)}.")
+            lines.append(f"Enough: {self.chosen.candidate.label}: {_numbers(self.chosen)}.")
             lines += [f"Sampler: {self.sampler}."] if self.sampler else []
             lines.append(
-                f"Next cheaper, {_WORDS[self.failed.verdict]}: {self.failed.candidate.words}: {_numbers(self.failed)}."
+                f"Next cheaper, {_VERDICT_LABELS[self.failed.verdict]}: {self.failed.candidate.label}: {_numbers(self.failed)}."
                 if self.failed
                 else "No candidate is cheaper."
             )
         else:
             best = min(self.rows, key=lambda row: row.measured.most)
             lines.append(
-                f"None of the candidates is known to be enough. The nearest: {best.candidate.words}: {_numbers(best)}."
+                f"None of the candidates is known to be enough. The nearest: {best.candidate.label}: {_numbers(best)}."
             )
         if undecided := self._undecided():
             of = f"{undecided}{' cheaper' * bool(self.chosen)} candidate{'s' * (undecided > 1)}"
@@ -274,7 +280,7 @@ class Choice:
         return "\n".join(lines)
 
     def _undecided(self) -> int:
-        """How many of those cheaper than the chosen one, or of all, may be within the tolerance or beyond."""
+        """The number of undecided candidates among those cheaper than the chosen one, or among all if none is chosen."""
         before = takewhile(lambda row: row.verdict != "within", self.rows)
         return sum(row.verdict == "open" for row in before)
 
@@ -289,7 +295,7 @@ class Choice:
             lines.append(
                 [
                     mark,
-                    row.candidate.words,
+                    row.candidate.label,
                     f"{error.value:.2e}",
                     f"{error.bound:.0e}",
                     _cost(row.cost),
@@ -299,9 +305,9 @@ class Choice:
         return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
     def data(self) -> dict[str, NDArray[Any]]:
-        """What the chart draws, one entry a candidate, the cheapest first."""
+        """The data of the chart, one entry per candidate, the cheapest first."""
         return {
-            "words": np.array([row.candidate.words for row in self.rows]),
+            "words": np.array([row.candidate.label for row in self.rows]),
             "cost": np.array([row.cost for row in self.rows]),
             "error": np.array([row.measured.error.value for row in self.rows]),
             "bound": np.array([row.measured.error.bound for row in self.rows]),
@@ -320,7 +326,7 @@ class Choice:
         save(self.data(), Path(path))
 
 
-_WORDS = {"beyond": "and not enough", "open": "and not known to be enough"}
+_VERDICT_LABELS = {"beyond": "and not enough", "open": "and not known to be enough"}
 
 
 def _cost(nanoseconds: float) -> str:
@@ -351,7 +357,7 @@ def choose(
     """Choose the cheapest model that stays within a tolerance of the most complete one, for all of a scene.
 
     The most complete model has the exact reflectance at each bounce, and all bounces unless the scene asks for one: for
-    Gaussian slopes it is ray-traced surfaces; for GGX, of which there is no surface, Smith's random walk.
+    Gaussian slopes it is ray-traced surfaces; for GGX, which no surface is known to have, Smith's random walk.
 
     Parameters
     ----------
@@ -377,7 +383,7 @@ def choose(
     -------
     Choice
         All candidates with error, cost and verdict, and the one that is chosen. A candidate is undecided where the bound on
-        what is not known of its error is too large to tell; a bound fails with odds of 1e-5.
+        its error is too large for a verdict; a bound fails with probability 1e-5.
 
     Raises
     ------
@@ -415,8 +421,8 @@ def costs_now(comparison: Comparison) -> cost.Costs:
 
 
 def _samplers(scene: Scene) -> dict[str, tuple[str, str, type]]:
-    """The ways to draw directions for a scene, by name."""
-    kinds = dict.fromkeys(one.normals for one in ladder(scene))
+    """The samplers for a scene, by name."""
+    kinds = dict.fromkeys(one.normals for one in candidates_for(scene))
     reals = PRECISIONS[scene.precision]
     ways = [(s, kind) for s in cost.SAMPLERS for kind in kinds if s in cost.samplers_of(kind)]
     return {cost.sampler_name(s, kind, real): (s, kind, real) for s, kind in ways for real in reals}
@@ -424,7 +430,7 @@ def _samplers(scene: Scene) -> dict[str, tuple[str, str, type]]:
 
 def cheapest_first(scene: Scene, costs: cost.Costs) -> list[tuple[Candidate, float]]:
     """All candidates and their costs; those of unknown cost (NaN) come last, in their own order, the crudest first."""
-    priced = [(one, costs.get(cost.name_of(one, scene.material), math.nan)) for one in ladder(scene)]
+    priced = [(one, costs.get(cost.name_of(one, scene.material), math.nan)) for one in candidates_for(scene)]
     return sorted(priced, key=lambda pair: pair[1] if math.isfinite(pair[1]) else math.inf)
 
 
@@ -432,14 +438,14 @@ def choice(comparison: Comparison, measure: str, tolerance: float, costs: cost.C
     """The choice from measured candidates."""
     rows = []
     for one, time in cheapest_first(comparison.scene, costs):
-        found = comparison.measured(one, measure)
-        verdict = "within" if found.most <= tolerance else "beyond" if found.least > tolerance else "open"
-        rows.append(Row(one, found, time, verdict))
-    made = Choice(comparison.scene, tolerance, measure, tuple(rows), comparison.truth[0].words)
+        measured = comparison.measured(one, measure)
+        verdict = "within" if measured.most <= tolerance else "beyond" if measured.least > tolerance else "open"
+        rows.append(Row(one, measured, time, verdict))
+    made = Choice(comparison.scene, tolerance, measure, tuple(rows), comparison.truth[0].label)
     if made.chosen:
         one = made.chosen.candidate
         samplers = {name: sampler(comparison, one, name, costs) for name in cost.samplers_of(one.normals)}
-        made = replace(made, sampler=sampler_words(samplers), samplers=samplers)
+        made = replace(made, sampler=sampler_label(samplers), samplers=samplers)
     return replace(made, beyond=walk_error(comparison, measure)) if beyond else made
 
 
@@ -449,7 +455,7 @@ def sampler(comparison: Comparison, one: Candidate, name: str, costs: cost.Costs
     A weight's mean square, relative to the square of its mean, is 1 for samples without noise.
     """
     squares = []
-    once = replace(one, compensation="none") if one.compensation == "walk" else one  # a walk's later bounces are its own
+    once = replace(one, compensation="none") if one.compensation == "walk" else one  # a walk draws its later bounces itself
     for point in comparison.points:
         evaluate, pdf = once.evaluate(comparison.scene.material, point), cost.guide(name, one.normals, point).pdf
         cosine = nodes(point).wi[:, 2]
@@ -465,14 +471,14 @@ def sampler(comparison: Comparison, one: Candidate, name: str, costs: cost.Costs
     return costs.get(cost.sampler_name(name, one.normals, one.real), math.nan), max(squares)
 
 
-def sampler_words(samplers: dict[str, tuple[float, float]]) -> str:
-    """The sampler of least time for a given noise, and both numbers of each."""
+def sampler_label(samplers: dict[str, tuple[float, float]]) -> str:
+    """The samplers in order of time for a given noise, with both numbers of each."""
     known = all(math.isfinite(time) for time, _ in samplers.values())
     ranked = sorted(samplers, key=lambda name: samplers[name][0] * samplers[name][1] if known else samplers[name][1])
-    told = [
+    labels = [
         f"{cost.SAMPLERS[name]} ({_time(samplers[name][0])}, mean square weight {samplers[name][1]:.3g})" for name in ranked
     ]
-    return " before ".join(told)
+    return " before ".join(labels)
 
 
 def walk_error(comparison: Comparison, measure: str) -> Error | None:

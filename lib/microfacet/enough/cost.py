@@ -1,4 +1,4 @@
-"""What a candidate costs: nanoseconds for one value in large arrays, timed on the spot, or from a record of benchmarks."""
+"""Cost of a candidate: nanoseconds per value in large arrays, timed now or from a record of benchmarks."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Call = Callable[[], Any]
 
 
 def name_of(one: Candidate, material: Fresnel) -> str:
-    """What the time of a candidate is called: the roughness and the number of roughnesses do not matter."""
+    """The name of a candidate's time: neither roughness nor anisotropy matters."""
     kind = "schlick" if one.fresnel == "schlick" else type(material).__name__.lower()
     return ".".join((one.normals, one.masking, kind, one.compensation, precision_of(one.real)))
 
@@ -50,14 +50,14 @@ def directions(count: int, seed: int, real: type) -> Any:
 
 
 def evaluation(one: Candidate, material: Fresnel, count: int) -> Call:
-    """A call that evaluates the candidate for so many pairs of directions."""
+    """A call that evaluates the candidate for `count` pairs of directions."""
     wo, wi = directions(count, 1, one.real), directions(count, 2, one.real)
     evaluate = one.evaluate(material, TIMED)
     return lambda: evaluate(wo, wi)
 
 
 def samplers_of(normals: str) -> list[str]:
-    """The ways to draw directions that a distribution has."""
+    """The samplers of a distribution."""
     kind = normals_by_name()[normals]
     kernels = {"normals": kind.sample_kernel, "visible": kind.sample_visible_kernel}
     return [name for name in SAMPLERS if kernels[name] is not None]
@@ -70,17 +70,17 @@ def guide(sampler: str, normals: str, point: Point) -> Microfacet:
 
 
 def sampling(sampler: str, normals: str, real: type, count: int) -> Call:
-    """A call that draws so many directions and computes their densities."""
+    """A call that draws `count` directions and computes their densities."""
     brdf, wo = guide(sampler, normals, TIMED), directions(count, 1, real)
     u = np.minimum(np.random.default_rng(3).random((count, 2)).astype(real), np.nextafter(real(1), real(0)))
     return lambda: brdf.pdf(wo, brdf.sample(wo, u))
 
 
 def recorded(path: Path) -> dict[str, float]:
-    """Nanoseconds by name, from the medians on record for the largest arrays; nothing where there is no record."""
+    """Nanoseconds by name, from the recorded medians for the largest arrays; empty without a record."""
     try:
-        kept = json.loads(path.read_text("utf-8"))
-        rows = kept.get(QUANTITY, {}).get("rows", {})
+        record = json.loads(path.read_text("utf-8"))
+        rows = record.get(QUANTITY, {}).get("rows", {})
         return {name: 1e9 * row["seconds"][-1][1] / row["sizes"][-1] for name, row in rows.items()}
     except FileNotFoundError:
         return {}
@@ -89,7 +89,7 @@ def recorded(path: Path) -> dict[str, float]:
 
 
 def timed(calls: Iterable[tuple[str, Call]], count: int = COUNT) -> dict[str, float]:
-    """Nanoseconds by name, on this machine and now: the least of some rounds in which every call runs once."""
+    """Nanoseconds by name, measured now on this machine: the minimum over rounds in which every call runs once."""
     jobs = dict(calls)
     for call in jobs.values():
         call()  # may compile

@@ -1,10 +1,10 @@
-"""Lobes in bins: what a model sends into each, and what the most complete model sends there.
+"""Binned lobes: the light that a model reflects into each bin, and that of the most complete model.
 
 Bins are sets of half vectors, of equal probability for GGX of the surface's roughness: `ROWS` of slope, `COLUMNS` of
 azimuth after unstretching, counted from the view's. So they follow the lobe, however narrow it is.
 
-A lobe is the share of the light from the view that leaves into each bin, (ROWS, COLUMNS). That the view sends and lights
-receive is no matter, since light and viewer may change places.
+A lobe is the fraction of the light from the view that leaves into each bin, (ROWS, COLUMNS). Light travels here from the
+view to the lights, which reciprocity allows.
 
 Sources: heitz2014 (single scattering, surfaces), heitz2016 (the random walk).
 """
@@ -32,9 +32,9 @@ from microfacet.visibility.smith import Smith
 Array = NDArray[np.float64]
 ROWS, COLUMNS = 8, 12
 NODES = 12  # along either side of a bin
-FEWER = (6, 8, 9, 10)  # of rules to compare with; one is enough for what is smooth
+COARSE_NODES = (6, 8, 9, 10)  # of coarser rules to compare with; the first suffices for a smooth reflectance
 SIDE = 192  # rays along either side of a surface
-BOUNCES = 64  # on a surface; what is still under way then is lost, which happens to no ray in a million
+BOUNCES = 64  # on a surface; light still under way then is lost, which happens to less than one ray in a million
 PARTS = 32  # of the random walks
 ROOT = 11  # of the seeds of the surfaces
 LONGEST = 6.0  # correlation lengths in a period, at least
@@ -44,8 +44,8 @@ LONGEST = 6.0  # correlation lengths in a period, at least
 
 
 class Nodes(NamedTuple):
-    """Light directions (n, 3), what each stands for (the solid angle times cos theta_i), its polar angle in degrees, and how
-    far to either side of that its neighbourhood reaches."""
+    """Light directions (n, 3), the weight of each (solid angle times cos theta_i), its polar angle in degrees, and the half
+    width of its neighbourhood in that angle."""
 
     wi: Array
     weight: Array
@@ -54,13 +54,13 @@ class Nodes(NamedTuple):
 
 
 class Ruled(NamedTuple):
-    """A lobe by the rule over the bins, and by rules of fewer nodes (n, ROWS, COLUMNS), from which it differs by its error."""
+    """A lobe by the rule over the bins, and by coarser rules (n, ROWS, COLUMNS); the differences estimate its error."""
 
     lobe: Array
     coarse: Array
 
     def error(self, other: Ruled | None = None) -> Array:
-        """How far each bin is off at most; or by how much its difference from that of another lobe is."""
+        """Largest error of each bin; or, given another lobe, of the difference of the two."""
         off = self.lobe - self.coarse
         most: Array = abs(off if other is None else off - (other.lobe - other.coarse)).max(axis=0)
         return most
@@ -81,13 +81,13 @@ def nodes(point: Point, fine: int = NODES) -> Nodes:
     edges = np.arcsinh(np.minimum(rows, rim))  # evenly near the centre, in equal ratios in the tails
     middle, half = (edges[1:] + edges[:-1])[:, None] / 2, np.diff(edges, axis=0)[:, None] / 2
     radius = np.sinh(middle + half * x[:, None]).reshape(ROWS * fine, -1)
-    share = (half * w[:, None]).reshape(ROWS * fine, -1) / angle.size
+    rule_weights = (half * w[:, None]).reshape(ROWS * fine, -1) / angle.size
     slope_x, slope_y = radius * dx, radius * dy
     upright = 1 / np.sqrt(1 + slope_x**2 + slope_y**2)
     wm = np.stack([-slope_x * upright, -slope_y * upright, upright], axis=-1)
     cosine = wm @ point.wo
     wi = 2 * cosine[..., None] * wm - point.wo
-    area = 2 * math.pi * point.alpha_x * point.alpha_y * radius * np.sqrt(1 + radius**2) * upright**3 * share
+    area = 2 * math.pi * point.alpha_x * point.alpha_y * radius * np.sqrt(1 + radius**2) * upright**3 * rule_weights
     weight = np.where((cosine > 0) & (wi[..., 2] > 0), 4 * cosine * area * wi[..., 2], 0.0)
     wi /= np.linalg.norm(wi, axis=-1, keepdims=True)
     theta = np.degrees(np.arctan2(np.hypot(wi[..., 0], wi[..., 1]), wi[..., 2]))
@@ -107,13 +107,13 @@ def _rim(wo: Array, dx: Array, dy: Array) -> Array:
 def lobe_of(evaluate: Callable[[Array, Array], Array], scene: Scene, point: Point, fine: int = NODES) -> Array:
     """The lobe of a BRDF, given as a function of view and lights."""
     rule = nodes(point, fine)
-    light = np.asarray(evaluate(point.wo, rule.wi), float) * rule.weight * scene.lit_share(rule.theta, rule.reach)
+    light = np.asarray(evaluate(point.wo, rule.wi), float) * rule.weight * scene.illuminated_fraction(rule.theta, rule.reach)
     return binned(light, fine)
 
 
 def ruled(evaluate: Callable[[Array, Array], Array], scene: Scene, point: Point) -> Ruled:
     """The lobe of a BRDF by all rules."""
-    coarse = FEWER if total_reflection(scene.material) else FEWER[:1]
+    coarse = COARSE_NODES if total_reflection(scene.material) else COARSE_NODES[:1]
     lobe, *others = (lobe_of(evaluate, scene, point, fine) for fine in (NODES, *coarse))
     return Ruled(lobe, np.array(others))
 
@@ -141,14 +141,14 @@ def bins(point: Point, wi: Array) -> NDArray[np.int64]:
     slope_x, slope_y = -half[:, 0] / half[:, 2] / point.alpha_x, -half[:, 1] / half[:, 2] / point.alpha_y
     square = slope_x**2 + slope_y**2
     row = np.minimum((square / (1 + square) * ROWS).astype(int), ROWS - 1)
-    turn = (np.arctan2(slope_y, slope_x) - _ahead(point)) / (2 * math.pi) % 1
-    found: NDArray[np.int64] = row * COLUMNS + np.minimum((turn * COLUMNS).astype(int), COLUMNS - 1)
-    return found
+    azimuth = (np.arctan2(slope_y, slope_x) - _ahead(point)) / (2 * math.pi) % 1
+    index: NDArray[np.int64] = row * COLUMNS + np.minimum((azimuth * COLUMNS).astype(int), COLUMNS - 1)
+    return index
 
 
 def counted(scene: Scene, point: Point, wi: Array, weight: Array) -> Array:
-    """The lobe of light that left into the directions wi (n, 3), with so much (n,) in each."""
-    inside = scene.lit(wi)
+    """The lobe of light that left into the directions wi (n, 3), with the weights (n,)."""
+    inside = scene.illuminates(wi)
     lobe: Array = np.bincount(bins(point, wi[inside]), weight[inside], ROWS * COLUMNS).astype(float).reshape(ROWS, COLUMNS)
     return (lobe + lobe[:, ::-1]) / 2 if point.isotropic else lobe
 
@@ -157,14 +157,15 @@ def counted(scene: Scene, point: Point, wi: Array, weight: Array) -> Array:
 
 
 class Reference(NamedTuple):
-    """A lobe as a mean of independent parts (n, ROWS, COLUMNS), whose scatter tells its error; and in words what it is.
+    """A lobe as a mean of independent parts (n, ROWS, COLUMNS), whose scatter gives its error.
 
-    drawn: the light that was followed at random. rare: the share of it that may be where hardly any was found. lossless:
-    whether all of it is in the lobe. unknown: light that may be anywhere. once: what was found by the rule over the bins.
+    label: the model in words. drawn: the light that was followed at random. rare: the fraction of it that may be where hardly
+    any was found. lossless: whether all of it is in the lobe. unknown: light that may be anywhere. once: the lobe of one bounce
+    by the rule over the bins.
     """
 
     lobes: Array
-    words: str
+    label: str
     drawn: float = 0.0
     rare: float = 0.0
     lossless: bool = False
@@ -177,7 +178,7 @@ class Reference(NamedTuple):
         return mean
 
     def bound(self, of: Callable[[Array], Array]) -> Array:
-        """How far a linear function of lobes (n, ROWS, COLUMNS) -> (n, ...) is off at most, but for odds of `ODDS`."""
+        """Largest error of a linear function of lobes (n, ROWS, COLUMNS) -> (n, ...), exceeded with probability `ODDS`."""
         each = of(np.eye(ROWS * COLUMNS).reshape(-1, ROWS, COLUMNS))
         none = each[:1] if self.lossless else np.zeros_like(each[:1])
         span = self.drawn * np.ptp(np.concatenate([each, none]), axis=0)
@@ -188,9 +189,9 @@ class Reference(NamedTuple):
         return off
 
     def misplaced(self) -> float:
-        """How much light is in wrong bins at most: half the sum over bins, as it would be for other walks or surfaces.
+        """Upper bound of the light in wrong bins: half the sum over bins, as it would be for other walks or surfaces.
 
-        Parts are as far from their mean as this mean is from the truth, but for a factor, and so their distances foretell its.
+        The distances of the parts from their mean, up to a factor, predict that of the mean from the truth.
         """
         count = len(self.lobes)
         apart = 0.5 * abs(self.lobes - self.lobe).sum(axis=(1, 2)) / math.sqrt(count - 1)
@@ -207,11 +208,10 @@ def surface(scene: Scene, point: Point, surfaces: int) -> Reference:
 
 
 def walked(scene: Scene, point: Point, walks: int, ndf: Distribution | None = None) -> Reference:
-    """From Smith's random walk: the first bounce by the rule over the bins, all others from so many walks that go on.
+    """From Smith's random walk: the first bounce by the rule over the bins, all others from `walks` walks of two or more.
 
-    ndf: the distribution of normals, by default the scene's.
-
-    How much light goes on is known exactly: what mirrors do not send out at once.
+    ndf: the distribution of normals, by default the scene's. The light that goes on is known exactly: what mirrors do not send
+    out at once.
     """
     model = Smith(point.ndf(scene.normals) if ndf is None else ndf)
     once = ruled(Microfacet(model, scene.material).evaluate, scene, point)
@@ -224,31 +224,31 @@ def walked(scene: Scene, point: Point, walks: int, ndf: Distribution | None = No
     return Reference(once.lobe + going_on * later, "Smith's random walk", going_on, rare, _lossless(scene), unknown, once)
 
 
-def _later(found: Later, scene: Scene, point: Point) -> tuple[Array, float, float]:
-    """Lobes of the light that goes on, in parts of the walks; the share of it that may be where hardly any walk went; and the
-    share that is under way.
+def _later(walks: Later, scene: Scene, point: Point) -> tuple[Array, float, float]:
+    """Lobes of the light that goes on, by parts of the walks; the fraction of it that may be where hardly any walk went; and
+    the fraction still under way.
 
-    Walks count in proportion to their weights, and so each part is corrected for what it has too much of these.
+    Walks count in proportion to their weights, so each part is corrected for its surplus of weight.
     """
-    parts = min(PARTS, len(found.counts))
-    total = found.counts.sum()
+    parts = min(PARTS, len(walks.counts))
+    total = walks.counts.sum()
     if not total > 0:
         return np.zeros((2, ROWS, COLUMNS)), 1.0, 0.0
-    share, out = parts * found.counts / total, found.wi[:, 2] > 0
+    weights, out = parts * walks.counts / total, walks.wi[:, 2] > 0
     lobes, much = [], np.empty(parts)
     for part in range(parts):
-        mine = np.arange(part, len(share), parts)
+        mine = np.arange(part, len(weights), parts)
         left = mine[out[mine]]
-        much[part] = share[mine].sum()
-        lobes.append(counted(scene, point, found.wi[left], share[left] * found.weight[left]))
+        much[part] = weights[mine].sum()
+        lobes.append(counted(scene, point, walks.wi[left], weights[left] * walks.weight[left]))
     mean = np.mean(lobes, axis=0)
     even = np.array(lobes) - (much - 1)[:, None, None] * mean
-    light = np.where(out, 0.0, found.weight)
-    return even, RARE * float(found.counts.max() / total), float((found.counts * light).sum() / total)
+    light = np.where(out, 0.0, walks.weight)
+    return even, RARE * float(walks.counts.max() / total), float((walks.counts * light).sum() / total)
 
 
 def _lossless(scene: Scene) -> bool:
-    """Whether all light is in the lobe, since facets keep none and it counts wherever it leaves."""
+    """Whether all light is in the lobe: facets absorb none, and every direction counts."""
     return isinstance(scene.material, Mirror) and scene.bounces == "all" and scene.light == (0.0, 90.0)
 
 
@@ -265,7 +265,7 @@ def _family(alpha_x: float, alpha_y: float) -> GaussianField:
 
 
 def _traced(field: HeightField, scene: Scene, point: Point, k: int) -> tuple[Array, float]:
-    """The light that leaves one surface, followed from one ray in each square of a grid; and what is then still under way."""
+    """The light that leaves one surface, traced from one ray in each square of a grid; and the light then still under way."""
     rng = np.random.default_rng([ROOT, k])
     square = np.stack(np.meshgrid(*2 * [np.arange(SIDE)], indexing="ij"), axis=-1).reshape(-1, 2)
     places = field.size / SIDE * (square + rng.uniform(size=square.shape))
@@ -287,7 +287,7 @@ def _traced(field: HeightField, scene: Scene, point: Point, k: int) -> tuple[Arr
 
 
 def _mirrored(wm: Array, d: Array, light: Array, fresnel: Fresnel) -> tuple[Array, Array]:
-    """Directions after a reflection, and what is left of the light."""
+    """Directions after a reflection, and the light reflected into them."""
     cosine = -np.sum(d * wm, axis=-1, keepdims=True)
-    kept = light if isinstance(fresnel, Mirror) else light * fresnel.F(np.clip(cosine[:, 0], 0, 1))
-    return d + 2 * cosine * wm, kept
+    reflected_light = light if isinstance(fresnel, Mirror) else light * fresnel.F(np.clip(cosine[:, 0], 0, 1))
+    return d + 2 * cosine * wm, reflected_light

@@ -1,4 +1,4 @@
-"""What a scene asks of a model: ranges of roughness and angle, the material, and whether several bounces matter."""
+"""A scene to choose a model for: ranges of roughness and angle, the material, and the bounces that count."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ Range = tuple[float, float]
 
 PRECISIONS = {"double": (np.float64,), "single": (np.float32,), "either": (np.float64, np.float32)}
 BOUNCES = ("all", "one")
-ALPHAS, THETAS = 3, 5  # places in a range of roughness and of the view's angle that are looked at
-AZIMUTHS = (0.0, 45.0, 90.0)  # degrees, of the views of a surface that is not the same in all directions
+ALPHAS, THETAS = 3, 5  # samples in a range of roughness and of the view's angle
+VIEW_AZIMUTHS = (0.0, 45.0, 90.0)  # degrees, of the views of an anisotropic surface
 
 
 def normals_by_name() -> dict[str, type[Distribution]]:
-    """Every family of distributions that is made of roughness, GGX and Beckmann first."""
+    """Every family of distributions with a roughness, GGX and Beckmann first."""
     return {key_of(kind): kind for kind in families(Distribution, ("GGX", "Beckmann")) if alphas_of(kind)}
 
 
 class Point(NamedTuple):
-    """One roughness seen from one direction: alpha_x, alpha_y, the view's polar angle and azimuth in degrees."""
+    """One roughness viewed from one direction: alpha_x, alpha_y, the view's polar angle and azimuth in degrees."""
 
     alpha_x: float
     alpha_y: float
@@ -104,13 +104,15 @@ class Scene:
         for name, known in (("normals", normals_by_name()), ("bounces", BOUNCES), ("precision", PRECISIONS)):
             one_of(name, getattr(self, name), known)
         if alphas_of(self.family) == 1 and self.ratio != (1.0, 1.0):
-            raise ValueError(f"ratio must be 1 for {self.family.label}, which has one roughness, got {_words(self.ratio)}")
+            raise ValueError(
+                f"ratio must be 1 for {self.family.label}, which has one roughness, got {_range_label(self.ratio)}"
+            )
         if self.bounces == "all" and self.family.facet_kernel is None:
             raise ValueError(f'bounces must be "one" for {self.family.label}: its class has no facet_kernel to follow light by')
         if not (self.fresnel is None or isinstance(self.fresnel, Fresnel)):
             raise ValueError(f"fresnel must be None, Dielectric or Conductor, got {self.fresnel!r}")
         if not self.material.F(1.0) > 0:
-            raise ValueError(f"fresnel must reflect light, which an index of 1 does not, got {material_words(self.material)}")
+            raise ValueError(f"fresnel must reflect light, which an index of 1 does not, got {material_label(self.material)}")
 
     @property
     def family(self) -> type[Distribution]:
@@ -122,42 +124,44 @@ class Scene:
 
     @cached_property
     def points(self) -> tuple[Point, ...]:
-        """Where the models are compared: the ends of all ranges, and places between."""
+        """Where the models are compared: the ends of all ranges, and samples between."""
         return self.grid(ALPHAS, THETAS)
 
     def grid(self, alphas: int, thetas: int) -> tuple[Point, ...]:
-        """So many roughnesses, in equal ratios, and so many angles, in equal steps; ratios at both ends of their range."""
+        """`alphas` roughnesses in equal ratios and `thetas` angles in equal steps; anisotropies at both ends of their range."""
         rough = _spread(self.alpha, alphas, np.geomspace)
         views = _spread(self.theta, thetas, np.linspace)
         pairs = [(a, a / r) for r in dict.fromkeys(self.ratio) for a in rough]
-        return tuple(Point(x, y, theta, phi) for x, y in pairs for theta in views for phi in ((0.0,) if x == y else AZIMUTHS))
+        return tuple(
+            Point(x, y, theta, phi) for x, y in pairs for theta in views for phi in ((0.0,) if x == y else VIEW_AZIMUTHS)
+        )
 
-    def lit(self, wi: Array) -> NDArray[np.bool_]:
-        """Which of the light directions (..., 3) lie in the scene's range."""
+    def illuminates(self, wi: Array) -> NDArray[np.bool_]:
+        """Which of the light directions (..., 3) lie in the scene's range of light."""
         theta = np.degrees(np.arctan2(np.hypot(wi[..., 0], wi[..., 1]), wi[..., 2]))
         inside: NDArray[np.bool_] = (theta >= self.light[0]) & (theta <= self.light[1]) & (wi[..., 2] > 0)
         return inside
 
-    def lit_share(self, theta: Array, reach: Array) -> Array:
-        """Of the polar angles that reach so far to either side of theta, degrees, the share that lies in the scene's range."""
+    def illuminated_fraction(self, theta: Array, reach: Array) -> Array:
+        """The fraction of the polar angles theta - reach to theta + reach, degrees, that lies in the scene's range of light."""
         low, high = np.maximum(theta - reach, 0.0), np.minimum(theta + reach, 90.0)
         inside = np.maximum(np.minimum(high, self.light[1]) - np.maximum(low, self.light[0]), 0.0)
         alone = ((theta >= self.light[0]) & (theta <= self.light[1])).astype(float)
-        share: Array = np.divide(inside, high - low, out=alone, where=high > low)
-        return share
+        fraction: Array = np.divide(inside, high - low, out=alone, where=high > low)
+        return fraction
 
     def __str__(self) -> str:
-        told = [
-            f"alpha {_words(self.alpha)}",
-            f"views {_words(self.theta)} degrees",
+        parts = [
+            f"alpha {_range_label(self.alpha)}",
+            f"views {_range_label(self.theta)} degrees",
             f"{self.bounces} bounce{'s' * (self.bounces == 'all')}",
         ]
-        told += [f"ratio {_words(self.ratio)}"] if self.ratio != (1.0, 1.0) else []
-        told += [f"light {_words(self.light)} degrees"] if self.light != (0.0, 90.0) else []
-        return f"{self.family.__name__}, {material_words(self.material)}, {', '.join(told)}"
+        parts += [f"ratio {_range_label(self.ratio)}"] if self.ratio != (1.0, 1.0) else []
+        parts += [f"light {_range_label(self.light)} degrees"] if self.light != (0.0, 90.0) else []
+        return f"{self.family.__name__}, {material_label(self.material)}, {', '.join(parts)}"
 
 
-def material_words(fresnel: Fresnel) -> str:
+def material_label(fresnel: Fresnel) -> str:
     """The reflectance by name: `conductor 0.2 + 3.9i`."""
     if isinstance(fresnel, Mirror):
         return "perfect mirrors"
@@ -177,7 +181,7 @@ def as_range(name: str, given: Any, above: float, below: float) -> Range:
     if ends[0] > ends[1]:
         raise ValueError(f"{name} must be a range from low to high, got {ends[0]:g} to {ends[1]:g}")
     if not (above < ends[0] and ends[1] < below):
-        raise ValueError(f"{name} must lie {BETWEEN[name]}, got {_words(ends)}")
+        raise ValueError(f"{name} must lie {BETWEEN[name]}, got {_range_label(ends)}")
     return ends[0], ends[1]
 
 
@@ -190,9 +194,9 @@ BETWEEN = {
 
 
 def _spread(ends: Range, count: int, spacing: Any) -> list[float]:
-    """So many numbers from one end to the other, the ends exactly; one if they are the same."""
+    """`count` numbers from one end to the other, the ends exactly; one if they are the same."""
     return [ends[0]] if ends[0] == ends[1] else [ends[0], *map(float, spacing(*ends, count)[1:-1]), ends[1]]
 
 
-def _words(ends: Sequence[float]) -> str:
+def _range_label(ends: Sequence[float]) -> str:
     return f"{ends[0]:g}" if ends[0] == ends[1] else f"{ends[0]:g} to {ends[1]:g}"

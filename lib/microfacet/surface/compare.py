@@ -1,4 +1,4 @@
-"""A model against what was measured: its light in the same bins, and how far apart two lobes are.
+"""Models compared with measured surfaces: their light in the same bins, and the distance of two lobes.
 
 Source: heitz2014.
 """
@@ -13,9 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 from microfacet.brdf.compensation import Compensated
 from microfacet.brdf.random_walk import RandomWalk
 from microfacet.brdf.specular import Microfacet
+from microfacet.confidence import Estimate
 from microfacet.directions import spherical
 from microfacet.geometry.slopes import Distribution, alpha_of
-from microfacet.surface.measure import Estimate, Plan, estimate, estimate_of
+from microfacet.surface.measure import Plan, estimate, estimate_of
 from microfacet.visibility.masking import Masking
 from microfacet.visibility.smith import CORRELATIONS, Smith
 from microfacet.visibility.v_cavity import VCavity
@@ -30,12 +31,12 @@ def models(ndf: Distribution) -> dict[str, Masking]:
 
 
 def lobe_of(model: Masking, wo: ArrayLike, plan: Plan) -> Array:
-    """Share of the light that a model of mirrors sends from wo into each of the plan's bins, shape (t, p)."""
+    """Fraction of the light that a model of mirrors sends from wo into each of the plan's bins, shape (t, p)."""
     return binned(Microfacet(model), wo, plan)
 
 
 def binned(brdf: Microfacet | Compensated, wo: ArrayLike, plan: Plan) -> Array:
-    """Share of the light that a BRDF sends from wo into each of the plan's bins, shape (t, p)."""
+    """Fraction of the light that a BRDF sends from wo into each of the plan's bins, shape (t, p)."""
     view = np.asarray(wo, float)
     azimuth = math.atan2(view[1], view[0])
     (theta, weigh_theta), (phi, weigh_phi) = (_rule(edges) for edges in plan.lobe_edges)
@@ -47,7 +48,7 @@ def binned(brdf: Microfacet | Compensated, wo: ArrayLike, plan: Plan) -> Array:
 
 
 def walked(walk: RandomWalk, wo: ArrayLike, plan: Plan, walks: int, seed: int = 0) -> Array:
-    """The same after all bounces in Smith's model, (t, p): the first one exactly, later ones where so many walks end."""
+    """The same after all bounces in Smith's model, (t, p): the first by quadrature, later ones from random walks."""
     view = np.asarray(wo, float)
     wi, weight, bounces = walk.walk(view, np.random.default_rng(seed).random((walks, 2)))
     theta = np.arctan2(np.hypot(wi[:, 0], wi[:, 1]), wi[:, 2])
@@ -57,7 +58,7 @@ def walked(walk: RandomWalk, wo: ArrayLike, plan: Plan, walks: int, seed: int = 
 
 
 def normals_of(model: Masking, wo: ArrayLike, plan: Plan) -> Array:
-    """Share of the view that a model gives to each of the plan's bins of slopes, shape (s, s); none beyond the outermost."""
+    """Fraction of the view that a model gives to each of the plan's bins of slopes, shape (s, s); none beyond the outermost."""
     view, alpha = np.asarray(wo, float), alpha_of(model.ndf)
     place, weigh = _rule(plan.slope_edges)
     slopes = alpha[0] * place[:, None], alpha[1] * place
@@ -82,7 +83,7 @@ def folded(lobe: ArrayLike) -> Array:
 
 
 def coarse(lobe: ArrayLike, rows: int, columns: int) -> Array:
-    """Lobes (..., t, p) with so many bins of polar angle and of azimuth made one."""
+    """Lobes (..., t, p) with rows x columns bins of polar angle and azimuth merged into one."""
     given = np.asarray(lobe, float)
     *others, t, p = given.shape
     if t % rows or p % columns:
@@ -92,13 +93,13 @@ def coarse(lobe: ArrayLike, rows: int, columns: int) -> Array:
 
 
 def misplaced(measured: ArrayLike, light: ArrayLike) -> Estimate:
-    """Light in the wrong place: half the sum of the differences of the mean of measured lobes (surfaces, ...) and a model's,
-    as shares of what arrives; with its standard error. Unlike `apart` it counts light that is missing."""
+    """Misplaced light: half the sum of the differences between the mean of measured lobes (surfaces, ...) and a model's, as
+    fractions of the incident light; with its standard error. Unlike `apart` it counts missing light."""
     return estimate_of(lambda lobe: 0.5 * np.abs(lobe - np.asarray(light)).sum(), measured)
 
 
 def total_variation(one: ArrayLike, other: ArrayLike) -> float:
-    """Half the sum of the differences of two lobes, each divided by its sum: 0 for one shape, 1 for nothing in common."""
+    """Half the sum of the differences of two lobes, each divided by its sum: 0 for equal shapes, 1 for disjoint ones."""
     a, b = np.asarray(one, float), np.asarray(other, float)
     return float(0.5 * np.abs(a / a.sum() - b / b.sum()).sum())
 
@@ -130,8 +131,9 @@ def in_plane(lobe: ArrayLike, solid_angle: ArrayLike) -> Array:
     return joined
 
 
-def lit_of(model: Masking, wo: ArrayLike, wi: ArrayLike, side: int = 200, reach: float = 4.0) -> float:
-    """Share that wi lights of what wo sees of facets turned to wi: sums over side x side slopes up to reach times alpha."""
+def illuminated_fraction(model: Masking, wo: ArrayLike, wi: ArrayLike, side: int = 200, reach: float = 4.0) -> float:
+    """Fraction, illuminated from wi, of the facets that are visible from wo and face wi: sums over side x side slopes up to
+    reach times alpha."""
     view, light, alpha = np.asarray(wo, float), np.asarray(wi, float), alpha_of(model.ndf)
     slopes = reach * ((np.arange(side) + 0.5) * 2 / side - 1)
     x, y = np.meshgrid(alpha[0] * slopes, alpha[1] * slopes, indexing="ij")

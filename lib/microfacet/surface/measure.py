@@ -1,19 +1,19 @@
-"""What rays find on Gaussian surfaces: masking, visible normals, shadowing, the lobe of reflection, albedo by bounces.
+"""Ray-traced measurements of Gaussian surfaces: masking, visible normals, shadowing, reflection lobes, albedo by bounces.
 
-Every result is a count or a sum per surface, so that results of many surfaces can be added up, and so that the scatter
-between independent surfaces, which rules the error, gives the standard errors. A shard is a range of surfaces; surface k
+Every result is a count or a sum per surface, so that results of many surfaces can be added, and the scatter between
+independent surfaces, which dominates the error, gives the standard errors. A shard is a range of surfaces; surface k
 and its rays depend on the family of surfaces, the plan and k only, so `gather` gives the same numbers however many shards
 there were.
 
 Directions are unit vectors that point away from the surface; facets are mirrors that reflect all light. A view is one wo.
 Azimuths are relative to the view's, whose azimuth is 0 if it is vertical. Arrays of one view, per surface:
 
-    faced, seen      (s,)       area of facets turned to wo, and of what is seen of them, projected along wo, per area of
+    faced, seen      (s,)       area of the facets that face wo, and of their visible parts, projected along wo, per area of
                                 the plane, by slope along the view in units of alpha_o; see `Plan.slopes`
-    normals          (s, s)     share of the view taken by each slope, in units of (alpha_x, alpha_y)
-    facing, lit      (t, p)     share of the view turned to wi, and lit by it, for each wi; see `Plan.lights`
-    lobe             (2, t, p)  share of the light that leaves into each bin of directions after one reflection, and after more
-    escaped          (b,)       share of the light that leaves after 1, 2, ... reflections; the rest is still under way
+    normals          (s, s)     fraction of the view taken by each slope, in units of (alpha_x, alpha_y)
+    facing, lit      (t, p)     fraction of the view that faces wi, and that wi illuminates, for each wi; see `Plan.lights`
+    lobe             (2, t, p)  fraction of the light that leaves into each bin after one reflection, and after more
+    escaped          (b,)       fraction of the light that leaves after 1, 2, ... reflections; the rest is still under way
 
 Sources: heitz2014 (what is measured), beckmann1963 (Gaussian surfaces), efron1982 (jackknife).
 """
@@ -23,11 +23,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from microfacet.confidence import Estimate
 from microfacet.directions import as_vectors, spherical
 from microfacet.surface.gaussian import GaussianField
 from microfacet.surface.trace import ESCAPED, HeightField, Hits
@@ -91,13 +92,6 @@ class Plan:
         return np.outer(-np.diff(np.cos(theta)), np.diff(phi))
 
 
-class Estimate(NamedTuple):
-    """A mean over surfaces and its standard error."""
-
-    value: Array
-    error: Array
-
-
 def shard(family: GaussianField, plan: Plan, first: int, last: int) -> Measurement:
     """Measure the surfaces first..last-1: arrays (surfaces, views, ...) and their numbers, under "surface"."""
     if not 0 <= first < last:
@@ -141,7 +135,7 @@ def estimate_of(function: Callable[[Array], ArrayLike], values: ArrayLike) -> Es
 
 
 def _scatter(without: Array) -> Array:
-    """The jackknife's standard error, from the values found without each one of the surfaces."""
+    """The jackknife's standard error, from the values with each one of the surfaces left out."""
     count = len(without)
     error: Array = np.sqrt((count - 1) / count * np.sum((without - without.mean(axis=0)) ** 2, axis=0))
     return error
@@ -163,13 +157,13 @@ def _view(
     k, view = number
     rays, points = (np.random.default_rng(family.seed(k, purpose, view)) for purpose in (RAYS, POINTS))
     origins = np.column_stack([_places(surface, plan, rays), np.full(plan.side**2, surface.highest)])
-    seen = surface.trace(origins, -wo)
-    positions = surface.points(origins, -wo, seen.distance)
+    hits = surface.trace(origins, -wo)
+    positions = surface.points(origins, -wo, hits.distance)
     return {
         **_masking(surface, alpha, plan, wo, _places(surface, plan, points)),
-        "normals": _normals(surface, alpha, plan, seen),
-        **_shadowing(surface, plan, wo, positions, seen),
-        **(_reflection(surface, plan, wo, positions, seen) if plan.bounces else {}),
+        "normals": _normals(surface, alpha, plan, hits),
+        **_shadowing(surface, plan, wo, positions, hits),
+        **(_reflection(surface, plan, wo, positions, hits) if plan.bounces else {}),
     }
 
 
@@ -192,26 +186,28 @@ def _masking(surface: HeightField, alpha: Array, plan: Plan, wo: Array, places: 
     return {name: np.histogram(along, plan.slope_edges, weights=w)[0] / len(places) for name, w in weights.items()}
 
 
-def _normals(surface: HeightField, alpha: Array, plan: Plan, seen: Hits) -> Array:
-    relative = np.clip(surface.slopes[seen.facet] / alpha, -plan.reach, plan.reach)
-    shares: Array = np.histogram2d(relative[:, 0], relative[:, 1], bins=(plan.slope_edges, plan.slope_edges))[0] / len(relative)
-    return shares
+def _normals(surface: HeightField, alpha: Array, plan: Plan, hits: Hits) -> Array:
+    relative = np.clip(surface.slopes[hits.facet] / alpha, -plan.reach, plan.reach)
+    fractions: Array = np.histogram2d(relative[:, 0], relative[:, 1], bins=(plan.slope_edges, plan.slope_edges))[0] / len(
+        relative
+    )
+    return fractions
 
 
-def _shadowing(surface: HeightField, plan: Plan, wo: Array, positions: Array, seen: Hits) -> Measurement:
-    facing, lit = np.zeros((2, *(len(axis) for axis in plan.lights)))
-    wm, ahead = surface.normals(seen.facet), _ahead(wo)
+def _shadowing(surface: HeightField, plan: Plan, wo: Array, positions: Array, hits: Hits) -> Measurement:
+    facing, illuminated = np.zeros((2, *(len(axis) for axis in plan.lights)))
+    wm, ahead = surface.normals(hits.facet), _ahead(wo)
     for at in np.ndindex(*facing.shape):
         wi = spherical(plan.lights[0][at[0]], math.atan2(ahead[1], ahead[0]) + plan.lights[1][at[1]])
-        turned = wm @ wi > 0
-        facing[at] = turned.mean()
-        lit[at] = surface.escapes(positions[turned], wi, seen.facet[turned]).sum() / len(wm)
-    return {"facing": facing, "lit": lit}
+        faces_light = wm @ wi > 0
+        facing[at] = faces_light.mean()
+        illuminated[at] = surface.escapes(positions[faces_light], wi, hits.facet[faces_light]).sum() / len(wm)
+    return {"facing": facing, "lit": illuminated}
 
 
-def _reflection(surface: HeightField, plan: Plan, wo: Array, positions: Array, seen: Hits) -> Measurement:
+def _reflection(surface: HeightField, plan: Plan, wo: Array, positions: Array, hits: Hits) -> Measurement:
     lobe, escaped = np.zeros((2, *plan.bins)), np.zeros(plan.bounces)
-    directions, facets, ahead = np.broadcast_to(-wo, positions.shape), seen.facet, _ahead(wo)
+    directions, facets, ahead = np.broadcast_to(-wo, positions.shape), hits.facet, _ahead(wo)
     for bounce in range(plan.bounces):
         wm = surface.normals(facets)
         directions = directions - 2 * np.sum(directions * wm, axis=-1, keepdims=True) * wm
@@ -230,6 +226,6 @@ def _reflection(surface: HeightField, plan: Plan, wo: Array, positions: Array, s
 
 
 def _ahead(wo: Array) -> Array:
-    """The horizontal unit vector towards which wo leans; x if it does not."""
+    """The horizontal unit vector along wo; x if wo is vertical."""
     length = math.hypot(wo[0], wo[1])
     return wo[:2] / length if length > 0 else np.array([1.0, 0.0])

@@ -1,7 +1,7 @@
 """A microsurface in two dimensions: a periodic polyline over a unit segment, with exact visibility.
 
-Every quantity is a property of the polyline itself. Nothing is sampled: which part of a facet a direction sees is
-found by one sweep along the horizon, and cut inside a facet where the horizon crosses it.
+Every quantity is a property of the polyline itself. Nothing is sampled: one sweep along the horizon gives the part of
+each facet that is visible from a direction, cut inside a facet where the horizon crosses it.
 
 Lengths are in units of the segment, whose length is 1. Directions are unit pairs ``(x, z)`` that point away from the
 surface; ``z`` is up. Angles are in radians, measured from ``z`` and positive towards ``x``.
@@ -64,18 +64,18 @@ class Pieces:
         return self.profile.point((self.start + self.stop) / 2)
 
     def projected(self, w: ArrayLike) -> Array:
-        """Length of each piece seen from ``w`` (one direction, or one per facet), zero from behind, shape (n,)."""
+        """Length of each piece projected along ``w`` (one direction, or one per facet), zero from behind, shape (n,)."""
         cosine = np.sum(np.asarray(w, dtype=float) * self.profile.normals, axis=-1)
         projected: Array = self.fraction * self.profile.lengths * np.maximum(cosine, 0.0)
         return projected
 
     def both(self, other: Pieces) -> Pieces:
-        """What lies in this piece and in the ``other`` one, facet by facet."""
+        """The intersection of this piece and the ``other`` one, facet by facet."""
         start = np.maximum(self.start, other.start)
         return Pieces(self.profile, start, np.maximum(np.minimum(self.stop, other.stop), start))
 
     def without(self, other: Pieces) -> tuple[Pieces, Pieces]:
-        """What remains of this piece before and behind the ``other`` one, facet by facet."""
+        """The remainders of this piece before and behind the ``other`` one, facet by facet."""
         inner = self.both(other)
         empty = inner.fraction == 0.0
         before = Pieces(self.profile, self.start, np.where(empty, self.stop, inner.start))
@@ -175,14 +175,14 @@ class Profile:
         return np.digitize(theta, bounds) - 1
 
     def visible(self, wo: ArrayLike) -> Pieces:
-        """The parts of the facets that are seen from the direction ``wo``, shape (2,), by exact clipping."""
+        """The parts of the facets that are visible from the direction ``wo``, shape (2,), by exact clipping."""
         wo = _checked(wo)
         return Pieces(self, *_clip(self.x, self.z, wo[0] / wo[1]))
 
     def escaping(self, wi: ArrayLike) -> Pieces:
         """The parts from which rays leave freely along ``wi``, shape (n, 2): one direction for each facet.
 
-        Rays that set out horizontally or downwards always meet the surface again.
+        Rays that start horizontally or downwards always meet the surface again.
         """
         wi = np.asarray(wi, dtype=float)
         if wi.shape != self.normals.shape or not np.all(np.isfinite(wi)):

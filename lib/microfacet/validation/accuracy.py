@@ -1,5 +1,5 @@
-"""How many digits of the library are right, and where: every quantity against 50 digits (matt facets: 30), over roughness and
-angle.
+"""Correct digits of every quantity of the library, over roughness and angle, against references of 50 digits (matt facets:
+30).
 
 Views are spaced evenly in the logarithm of the tangent, from 1e-8 above the pole to 1e-8 above the horizon, at one azimuth;
 roughnesses from 1e-8 to 1e3. References take directions and roughnesses as the binary numbers they are, of either precision.
@@ -39,7 +39,7 @@ def directions(real: type, tangent: Array = TANGENT) -> Array:
 
 
 def rounded(alpha: float, real: type) -> float:
-    """The roughness that a kernel of this precision sees."""
+    """The roughness that a kernel of this precision gets."""
     return float(real(alpha))
 
 
@@ -47,9 +47,9 @@ def rounded(alpha: float, real: type) -> float:
 
 
 def digits(value: Array, exact: list[mpmath.mpf], real: type) -> Array:
-    """Decimal digits that are right, from 0 to as many as the precision has; NaN where it cannot hold the exact value."""
-    found = [_digits(float(v), e, real) for v, e in zip(np.ravel(value), exact, strict=True)]
-    return np.reshape(found, np.shape(value))
+    """Correct decimal digits, from 0 to as many as the precision has; NaN where it cannot hold the exact value."""
+    correct = [_digits(float(v), e, real) for v, e in zip(np.ravel(value), exact, strict=True)]
+    return np.reshape(correct, np.shape(value))
 
 
 def _digits(value: float, exact: mpmath.mpf, real: type) -> float:
@@ -133,7 +133,7 @@ def exact_G1(ndf: Distribution, wo: Array) -> mpmath.mpf:
         return 1 / (1 + exact_Lambda(ndf, wo))
 
 
-# --- samplers: the uniform numbers of which a normal is made ------------------------------------------------------------
+# --- samplers: the uniform numbers that give a normal -------------------------------------------------------------------
 
 
 def _unstretched(ndf: Distribution, w: Array, power: int) -> list[mpmath.mpf]:
@@ -152,22 +152,22 @@ def _ggx_numbers(v: list[mpmath.mpf], h: list[mpmath.mpf]) -> tuple[mpmath.mpf, 
 
 
 def _beckmann_numbers(v: list[mpmath.mpf], h: list[mpmath.mpf]) -> tuple[mpmath.mpf, mpmath.mpf]:
-    """The share of what is seen that has a lower slope along the view, and that of lower slopes across it."""
+    """The fraction of the visible area with a lower slope along the view, and that with a lower slope across it."""
     sine = mpmath.hypot(v[0], v[1])
     x, y = -h[0] / h[2], -h[1] / h[2]
     along, across = (v[0] * x + v[1] * y) / sine, (v[0] * y - v[1] * x) / sine
 
-    def share(q: mpmath.mpf) -> mpmath.mpf:
+    def visible_below(q: mpmath.mpf) -> mpmath.mpf:
         return v[2] * mpmath.erfc(-q) / 2 + sine * mpmath.exp(-q * q) / (2 * mpmath.sqrt(mpmath.pi))
 
-    return share(along) / share(v[2] / sine), mpmath.erfc(-across) / 2
+    return visible_below(along) / visible_below(v[2] / sine), mpmath.erfc(-across) / 2
 
 
 NUMBERS: dict[type, Callable[..., tuple[mpmath.mpf, mpmath.mpf]]] = {GGX: _ggx_numbers, Beckmann: _beckmann_numbers}
 
 
 def numbers_back(ndf: Distribution, wo: Array, u: Array, m: Array) -> float:
-    """Digits of the uniform numbers u that a visible normal gives back; of the second relative to its distance from 0 or 1."""
+    """Correct digits of the uniform numbers u, recovered from a visible normal; those of u[1] from the nearer of 0 and 1."""
     if not np.isfinite(m).all():
         return 0.0
     most = MOST[m.dtype.type]

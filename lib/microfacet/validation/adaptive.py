@@ -1,14 +1,14 @@
-"""The area that a direction sees of a surface whose distribution of normals is any function, with a bound of its error.
+"""The visible area of a surface with any function as its distribution of normals, with a bound of its error.
 
 Nothing is known of the function: neither its shape nor its scale. Slopes are divided by how far they spread along each axis,
 and rings around the origin are followed in polar coordinates: whole rings as far as the edge of visibility, a straight line,
 then the arcs of a ring on this side of it, cut where V-cavities begin to mask. A function of the polar angle only, a table
-for instance, has its kinks on rings; halving closes in on them. A look at slopes of all sizes tells where the function changes
-from one to the next: there the first boxes of radius and azimuth have nodes as close as that. Boxes are then halved, those of
-the largest errors first, in the direction that the error comes from. Each round is one call of the function.
+for instance, has its kinks on rings; halving closes in on them. A survey of slopes of all sizes shows where the function
+changes between neighbours: there the nodes of the first boxes of radius and azimuth lie as close. Boxes are then halved, those
+of the largest errors first, in the direction of the error. Each round is one call of the function.
 
-The outermost nodes of a box lie on its edges, so that no jump is between two boxes. The error follows from how the coefficients
-of each box's polynomials fall, and what a box may be off by because of a jump beside it is added.
+The outermost nodes of a box lie on its edges, so that no jump is between two boxes. The error follows from the decay of the
+coefficients of each box's polynomials, plus the error that a jump beside the box may cause.
 """
 
 from __future__ import annotations
@@ -27,29 +27,31 @@ from microfacet.geometry.slopes import Distribution, spread
 
 Function = Callable[[np.ndarray], np.ndarray]
 
-ROUNDING = 1e-13  # relative, of what is summed
+ROUNDING = 1e-13  # relative, of a sum
 STARTS = np.array([0.0, 0.6, 1.5, 3.0, 8.0])  # radii, in scales, where first boxes begin
 APART = np.array([1.0, 6.0, 36.0, 216.0])  # and in units of a near edge of visibility, where arcs change within its distance
-FARTHEST = 1e12  # an edge of visibility beyond this radius, in scales, is none
+FARTHEST = 1e12  # an edge of visibility beyond this radius, in scales, is ignored
 ROUNDS = 60
-WORTH = 0.1  # of the largest error: boxes of less wait for another round
+WORTH = 0.1  # of the largest error: boxes of smaller errors wait for a later round
 
 NODES, GROUP = 17, 4  # in each direction of a box; coefficients of one group
 INSIDE = 1e-13  # from the ends of coordinates, where slopes are infinite and normals at right angles to the view
-SURE = 1.5  # times what coefficients say: then it bounds the error of jumps, bends, ramps, bumps and poles at any place
-FALL = 4.0, 3  # how many times less one group of coefficients must be than the one before; what power of more than that counts
-BESIDE = 0.02  # of the error per area that neighbours have: a corner of what jumps there may lie between a box's nodes
-OUTSIDE = 0.55  # of a box's side, from its middle: there its neighbours are
+ERROR_FACTOR = (
+    1.5  # times the estimate from coefficients: this bounds the error of jumps, bends, ramps, bumps and poles anywhere
+)
+FALL = 4.0, 3  # ratio of one group of coefficients to the next that counts as decay; power of any excess over it
+BESIDE = 0.02  # of the error per area of neighbours: a corner of a jump there may lie between a box's nodes
+OUTSIDE = 0.55  # of a box's side, from its middle: the neighbours lie there
 WHOLE = 2.0  # logarithm of radii beyond which boxes count as if it were this
-GROWN = 1.5  # times as many boxes, until neighbours are looked at anew
+GROWN = 1.5  # times as many boxes, until neighbours are examined again
 
-LOOK = (-5, 4)  # decades of radii looked at, in scales
-PER_DECADE, TURN, CLOSER = 26, 80, 4  # radii and azimuths looked at; how many times more where facets are missing
+SURVEY = (-5, 4)  # decades of radii surveyed, in scales
+PER_DECADE, SURVEY_AZIMUTHS, FINER = 26, 80, 4  # radii and azimuths surveyed; their factor where facets are missing
 MISSING = 1e-3  # of the area of all facets
-UNEVEN = 0.25  # a second difference, of the largest of its values, from which on a function may be anything in between
-FACETS = 1e-15  # of all: fewer near a point are no reason for small boxes
-AROUND = 1, 2, 3  # steps by which such places are widened in turn: what is uneven fades beside them
-CELLS = 10  # of the look, that a box may extend over where the function is uneven
+UNEVEN = 0.25  # second difference over the largest of its values: above it the function is unresolved
+FACETS = 1e-15  # of all facets: fewer near a point do not need small boxes
+AROUND = 1, 2, 3  # steps by which uneven places are widened, one after the other: the function is uneven beside them too
+CELLS = 10  # of the survey, the most that a box may span where the function is uneven
 
 
 class Area(NamedTuple):
@@ -94,7 +96,7 @@ def seen_area(
     Returns
     -------
     Area
-        A named tuple of ``value``, ``error`` and ``evaluations``. The error bounds what is off if D and G1 have no feature
+        A named tuple of ``value``, ``error`` and ``evaluations``. The error is a bound if D and G1 have no feature
         narrower than a sixth of its distance from the origin, in slopes over the scales, which are tested from 1e-5 to 1e4.
 
     Raises
@@ -150,7 +152,7 @@ class _Rings:
         self.edge = float(view[2]) / across if across * FARTHEST > view[2] else np.inf
 
     def boxes(self) -> np.ndarray:
-        """The first boxes, rows (region, low, high, first, last): ends along the radius' coordinate, shares of the arc."""
+        """The first boxes, rows (region, low, high, first, last): ends along the radius' coordinate, fractions of the arc."""
         last = self.edge / (1 + self.edge) if self.edge < np.inf else 1.0
         starts = STARTS / (1 + STARTS)
         rows = [(0, *ends, first, first + 0.5) for ends in pairwise([*starts[starts < last], last]) for first in (0.0, 0.5)]
@@ -161,22 +163,22 @@ class _Rings:
             rows += [(region, *ends, 0.0, 1.0) for region in (1, 2, 3) for ends in pairwise(outer)]
         return np.array(rows)
 
-    def place(self, radius: np.ndarray, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Region, coordinate along the radius and share of the arc of visible slopes, by radius and azimuth from the view's."""
-        edge, turn = self._edge, turn % (2 * np.pi)
+    def place(self, radius: np.ndarray, azimuth: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Region, radial coordinate and fraction of the arc of visible slopes, by radius and azimuth from the view's."""
+        edge, azimuth = self._edge, azimuth % (2 * np.pi)
         length = np.sqrt(np.maximum(radius * radius - edge * edge, 0))
         begin = np.arctan2(length, edge)
-        region = np.select([radius <= self.edge, np.abs(turn - np.pi) < begin, turn < np.pi], [0, 3, 1], default=2)
+        region = np.select([radius <= self.edge, np.abs(azimuth - np.pi) < begin, azimuth < np.pi], [0, 3, 1], default=2)
         start, arc = self._arcs(region, begin)
         length = np.where(region == 0, radius, length)
-        share = (turn - start) / np.where(arc > 0, arc, 1.0)
-        return region, length / (self._unit(region) + length), share
+        fraction = (azimuth - start) / np.where(arc > 0, arc, 1.0)
+        return region, length / (self._unit(region) + length), fraction
 
-    def at(self, region: np.ndarray, along: np.ndarray, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def at(self, region: np.ndarray, along: np.ndarray, fraction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Radius and azimuth from the view's."""
         length, radius = self._lengths(region, np.clip(along, 0, 1 - INSIDE))
         start, arc = self._arcs(region, np.arctan2(length, self._edge))
-        return radius, start + share * arc
+        return radius, start + fraction * arc
 
     def extents(self, boxes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Of each box the logarithm of its outer over its inner radius, and the angle in its middle."""
@@ -205,14 +207,14 @@ class _Rings:
         start = np.select([region == 0, region == 1, region == 2], [0.0, begin, np.pi + begin], np.pi - begin)
         return start, np.select([region == 0, region == 3], [2 * np.pi, 2 * begin], np.pi - 2 * begin)
 
-    def __call__(self, region: np.ndarray, along: np.ndarray, share: np.ndarray) -> np.ndarray:
+    def __call__(self, region: np.ndarray, along: np.ndarray, fraction: np.ndarray) -> np.ndarray:
         """The integrand, over cos theta_o, with the stretch of its coordinates; shapes (n, 1, 1), (n, i, 1), (n, 1, j)."""
-        along, share = np.minimum(along, 1 - INSIDE), np.clip(share, INSIDE, 1 - INSIDE)
+        along, fraction = np.minimum(along, 1 - INSIDE), np.clip(fraction, INSIDE, 1 - INSIDE)
         length, radius = self._lengths(region, along)
         stretch = self._unit(region) / (1 - along) ** 2 * length * self.scale.prod()
         start, arc = self._arcs(region, np.arctan2(length, self._edge))
-        turn = (self.azimuth + start) + share * arc
-        x, y = (self.scale[0] * radius) * np.cos(turn), (self.scale[1] * radius) * np.sin(turn)
+        azimuth = (self.azimuth + start) + fraction * arc
+        x, y = (self.scale[0] * radius) * np.cos(azimuth), (self.scale[1] * radius) * np.sin(azimuth)
         m, z = _normals(x, y)
         density = self.normals(m) if self.G1 is None else self.normals(m) * self.G1(m)
         facing = np.maximum(1 - (x * (self.view[0] / self.view[2]) + y * (self.view[1] / self.view[2])), 0)
@@ -235,44 +237,41 @@ def _normals(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return m.reshape(-1, 3), z
 
 
-# --- a look at all sizes ------------------------------------------------------------------------------------------------
+# --- a survey of all sizes ----------------------------------------------------------------------------------------------
 
 
-def _looked(integrand: _Rings, closer: int = 1) -> np.ndarray:
-    """First boxes, no wider than some steps of a look where the function is uneven from step to step."""
-    steps = np.log(10) / (closer * PER_DECADE), 2 * np.pi / (closer * TURN)
-    radius = 10.0 ** np.arange(*LOOK, 1 / (closer * PER_DECADE))
-    turn = (np.arange(closer * TURN) + 0.5) * steps[1]
+def _first_boxes(integrand: _Rings, finer: int = 1) -> np.ndarray:
+    """First boxes, no wider than a few steps of a survey where the function is uneven from step to step."""
+    steps = np.log(10) / (finer * PER_DECADE), 2 * np.pi / (finer * SURVEY_AZIMUTHS)
+    radius = 10.0 ** np.arange(*SURVEY, 1 / (finer * PER_DECADE))
+    azimuth = (np.arange(finer * SURVEY_AZIMUTHS) + 0.5) * steps[1]
     x, y = (
-        scale * np.outer(radius, f(turn + integrand.azimuth))
+        scale * np.outer(radius, f(azimuth + integrand.azimuth))
         for scale, f in zip(integrand.scale, (np.cos, np.sin), strict=True)
     )
     m, z = _normals(x, y)
     facets = _finite(integrand.normals(m)).reshape(x.shape) * (z * z) ** 2 * (radius * radius)[:, None]
     area = float(facets.sum()) * steps[0] * steps[1] * float(integrand.scale.prod())
-    if closer == 1 and not abs(area - 1) < MISSING:
-        return _looked(integrand, CLOSER)
-    facing = 1 - np.outer(radius, np.cos(turn)) / integrand.edge
+    if finer == 1 and not abs(area - 1) < MISSING:
+        return _first_boxes(integrand, FINER)
+    facing = 1 - np.outer(radius, np.cos(azimuth)) / integrand.edge
     uneven = _uneven(facets, np.ones(x.shape))
     if integrand.G1 is not None:
-        parts = np.select([facing <= 0, facing <= 2], [0, 1], 2)  # hidden; turned to the view; and where V-cavities mask
-        seen = facets * np.maximum(facing, 0)
-        seen[parts > 0] *= _finite(integrand.G1(m[parts.ravel() > 0]))
-        uneven = [one | other for one, other in zip(uneven, _uneven(seen, parts), strict=True)]
+        parts = np.select([facing <= 0, facing <= 2], [0, 1], 2)  # hidden; visible; and masked by V-cavities
+        visible = facets * np.maximum(facing, 0)
+        visible[parts > 0] *= _finite(integrand.G1(m[parts.ravel() > 0]))
+        uneven = [one | other for one, other in zip(uneven, _uneven(visible, parts), strict=True)]
     boxes = integrand.boxes()
     for side, here in enumerate(uneven):
         ring, ray = np.nonzero(here & (facing > 0))
-        boxes = _small(integrand, boxes, side, CELLS * steps[side], integrand.place(radius[ring], turn[ray]))
+        boxes = _small(integrand, boxes, side, CELLS * steps[side], integrand.place(radius[ring], azimuth[ray]))
     return boxes
 
 
 def _uneven(values: np.ndarray, parts: np.ndarray) -> list[np.ndarray]:
-    """Where values on rings and rays change unevenly from one to the next in the same part, along rays and along rings.
-
-    And beside that. What is in part 0 does not count.
-    """
+    """Masks of uneven values within one part, along rays and along rings, and of their neighbours. Part 0 does not count."""
     least = FACETS * np.abs(values).sum()
-    found = []
+    uneven = []
     for axis in (0, 1):
         (before, part), (after, other) = (tuple(np.roll(array, step, axis) for array in (values, parts)) for step in (1, -1))
         largest = np.maximum(np.maximum(np.abs(before), np.abs(after)), np.abs(values))
@@ -283,17 +282,17 @@ def _uneven(values: np.ndarray, parts: np.ndarray) -> list[np.ndarray]:
         for side in (0, 1):
             for step in AROUND:
                 there = there | np.roll(there, step, side) | np.roll(there, -step, side)
-        found.append(there)
-    return found
+        uneven.append(there)
+    return uneven
 
 
 def _small(integrand: _Rings, boxes: np.ndarray, side: int, most: float, points: tuple[np.ndarray, ...]) -> np.ndarray:
-    """Boxes that hold one of the points and extend over more along one side, halved until none does."""
-    region, along, share = points
+    """Boxes that hold one of the points and are wider than `most` along one side, halved until none is."""
+    region, along, fraction = points
     while True:
         wide = np.flatnonzero(integrand.extents(boxes)[side] > most)
         of, low, high, first, last = boxes[wide].T[:, :, None]
-        inside = (of == region) & (low <= along) & (along <= high) & (first <= share) & (share <= last)
+        inside = (of == region) & (low <= along) & (along <= high) & (first <= fraction) & (fraction <= last)
         wide = wide[inside.any(axis=1)]
         if not len(wide):
             return boxes
@@ -305,7 +304,7 @@ def _small(integrand: _Rings, boxes: np.ndarray, side: int, most: float, points:
 
 @cache
 def _rule() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Gauss-Lobatto nodes on (0, 1), their weights, what gives the last coefficients in orthonormal Legendre polynomials."""
+    """Gauss-Lobatto nodes on (0, 1), their weights, and the map to the last orthonormal Legendre coefficients."""
     inner = legendre.Legendre.basis(NODES - 1).deriv().roots()
     nodes = np.concatenate([[-1.0], np.sort(inner.real), [1.0]])
     expansion = np.linalg.inv(legendre.legvander(nodes, NODES - 1))
@@ -314,20 +313,20 @@ def _rule() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _falling(values: np.ndarray) -> np.ndarray:
-    """How far the mean of the polynomials through values (n, NODES, j) may be off, from how their coefficients fall: (n, j).
+    """Error of the mean of the polynomials through values (n, NODES, j), from the decay of their coefficients: (n, j).
 
-    A jump or a bend anywhere between the outermost nodes leaves coefficients that do not fall, of more than the error. Only
-    where two groups of coefficients in turn are far below the one before, as of a smooth function, is the error far smaller.
+    A jump or a bend anywhere between the outermost nodes leaves coefficients that do not decay and exceed the error. The error
+    is far smaller only where two successive groups of coefficients are each far below the one before, as in smooth functions.
     """
     coefficients = _rule()[2] @ values
     one, two, three = np.sqrt(np.square(coefficients).reshape(len(values), 3, GROUP, -1).sum(axis=2)).swapaxes(0, 1)
     tiny = np.finfo(float).tiny
     ratio = FALL[0] * np.maximum(three / np.maximum(two, tiny), two / np.maximum(one, tiny))
-    return np.asarray(SURE * np.maximum(two, three) * np.minimum(1, ratio) ** FALL[1])
+    return np.asarray(ERROR_FACTOR * np.maximum(two, three) * np.minimum(1, ratio) ** FALL[1])
 
 
 def _integrate(integrand: _Rings, boxes: np.ndarray) -> np.ndarray:
-    """Of each box its integral and the errors of it along the radius and along the arc: (n, 3)."""
+    """Integral of each box, and its errors along the radius and along the arc: (n, 3)."""
     nodes, weights, _ = _rule()
     region, low, high, first, last = boxes.T[:, :, None, None]
     values = integrand(region, low + (high - low) * nodes[:, None], first + (last - first) * nodes)
@@ -336,7 +335,7 @@ def _integrate(integrand: _Rings, boxes: np.ndarray) -> np.ndarray:
 
 
 def _beside(integrand: _Rings, boxes: np.ndarray, errors: np.ndarray) -> np.ndarray:
-    """What each box may be off by because of a jump beside it, a corner of which may lie between its nodes."""
+    """Error of each box from a jump beside it: a corner of the jump may lie between the box's nodes."""
     ratio, angle = integrand.extents(boxes)
     size = np.minimum(ratio, WHOLE) * angle
     density = errors / size
@@ -345,18 +344,18 @@ def _beside(integrand: _Rings, boxes: np.ndarray, errors: np.ndarray) -> np.ndar
     middle, centre = (low + high) / 2, (first + last) / 2
     aside, around = OUTSIDE * (high - low), OUTSIDE * (last - first)
     points = [integrand.at(region, middle + u * aside, centre + v * around) for u, v in ((1, 0), (-1, 0), (0, 1), (0, -1))]
-    of, along, share = np.concatenate([integrand.place(*point) for point in points], axis=1)
+    of, along, fraction = np.concatenate([integrand.place(*point) for point in points], axis=1)
     there = np.tile(density[chosen], len(points))
     reached = np.zeros(len(boxes))
     for k, (region, low, high, first, last) in enumerate(boxes):
-        inside = (of == region) & (low <= along) & (along <= high) & (first <= share) & (share <= last)
+        inside = (of == region) & (low <= along) & (along <= high) & (first <= fraction) & (fraction <= last)
         reached[k] = np.max(there, initial=0.0, where=inside)
     return BESIDE * reached * size
 
 
 def _refined(integrand: _Rings, tolerance: float, most: int) -> Area:
     """Halve boxes until the errors of all add up to the tolerance."""
-    boxes = _looked(integrand)
+    boxes = _first_boxes(integrand)
     sums, beside, known = _integrate(integrand, boxes), np.zeros(len(boxes)), 0
     each = NODES**2
     used = len(boxes) * each
@@ -372,11 +371,11 @@ def _refined(integrand: _Rings, tolerance: float, most: int) -> Area:
         wanted = min(int(np.sum((remaining > goal / 2) & (errors[order] > WORTH * errors.max()))), left)
         if errors.sum() <= goal or wanted <= 0:
             break
-        halved, kept = order[:wanted], order[wanted:]
+        halved, rest = order[:wanted], order[wanted:]
         children = halves(boxes[halved], sums[halved, 1] < sums[halved, 2])
-        boxes = np.concatenate([boxes[kept], children])
-        sums = np.concatenate([sums[kept], _integrate(integrand, children)])
-        beside = np.concatenate([beside[kept], np.zeros(len(children))])
+        boxes = np.concatenate([boxes[rest], children])
+        sums = np.concatenate([sums[rest], _integrate(integrand, children)])
+        beside = np.concatenate([beside[rest], np.zeros(len(children))])
         used += len(children) * each
     value, size = float(sums[:, 0].sum()), float(np.abs(sums[:, 0]).sum())
     return Area(value, float(errors.sum() + ROUNDING * size), used)

@@ -20,9 +20,9 @@ class SlopeCells:
 
     def __init__(self, wo: Array, scale: tuple[float, float], count: int = 24) -> None:
         self.scale, self.count = np.asarray(scale), count
-        seen = self.scale * wo[:2]
-        length = np.hypot(*seen)
-        self.along = seen / length if length > 0 else np.array([1.0, 0.0])
+        stretched = self.scale * wo[:2]
+        length = np.hypot(*stretched)
+        self.along = stretched / length if length > 0 else np.array([1.0, 0.0])
         edge = np.arctan2(wo[2], length)
         self.edges = np.linspace(-np.pi / 2, edge, count + 1), np.linspace(-np.pi / 2, np.pi / 2, count + 1)
 
@@ -35,25 +35,25 @@ class SlopeCells:
         counts: Array = np.histogram2d(np.arctan(q), np.arctan(r / np.sqrt(1 + q * q)), bins=self.edges)[0]
         return counts
 
-    def shares(self, density: Density, nodes: int = 6) -> Array:
+    def integrals(self, density: Density, nodes: int = 6) -> Array:
         """The density's integral over each cell, by Gauss and Legendre's rule."""
         t, w = np.polynomial.legendre.leggauss(nodes)
         points = [(e[:-1, None] + np.diff(e)[:, None] * (t + 1) / 2).ravel() for e in self.edges]
         weights = [(np.diff(e)[:, None] * w / 2).ravel() for e in self.edges]
-        q, turn = np.meshgrid(*map(np.tan, points), indexing="ij")
-        r = turn * np.sqrt(1 + q * q)
+        q, ratio = np.meshgrid(*map(np.tan, points), indexing="ij")
+        r = ratio * np.sqrt(1 + q * q)
         c, s = self.along
         x, y = self.scale[0] * (c * q - s * r), self.scale[1] * (s * q + c * r)
         z = 1 / np.sqrt(1 + x * x + y * y)
-        area = self.scale.prod() * (1 + q**2) ** 1.5 * (1 + turn**2) * z**3
+        area = self.scale.prod() * (1 + q**2) ** 1.5 * (1 + ratio**2) * z**3
         values = density(np.stack([-x * z, -y * z, z], axis=-1)) * area * np.outer(*weights)
-        shares: Array = values.reshape(self.count, nodes, self.count, nodes).sum(axis=(1, 3))
-        return shares
+        integrals: Array = values.reshape(self.count, nodes, self.count, nodes).sum(axis=(1, 3))
+        return integrals
 
 
-def chance(counts: Array, expected: Array, least: float = 10.0) -> float:
-    """The odds of counts at least as far from what is expected; cells that expect fewer than `least` are taken together."""
-    from scipy.special import chdtrc  # loaded by who tests: all statements of the library load this module
+def p_value_of_counts(counts: Array, expected: Array, least: float = 10.0) -> float:
+    """The p-value of Pearson's chi-square test; cells that expect fewer than `least` are merged into one."""
+    from scipy.special import chdtrc  # imported here: every statement of the library loads this module, few test samples
 
     counts, expected = counts.ravel(), expected.ravel()
     large = expected >= least
@@ -66,15 +66,15 @@ def chance(counts: Array, expected: Array, least: float = 10.0) -> float:
     return float(chdtrc(len(counts) - 1, np.sum((counts - expected) ** 2 / expected)))
 
 
-def agreement(normals: Array, density: Density, wo: Array, scale: tuple[float, float]) -> float:
-    """The odds that normals (n, 3) drawn with this density, per solid angle, lie as they do.
+def p_value(normals: Array, density: Density, wo: Array, scale: tuple[float, float]) -> float:
+    """The p-value of the hypothesis that normals (n, 3) were drawn with this density, per solid angle.
 
-    The smallest of three tests, along the view, across it and of all cells together, times three for having looked three
-    times. 0 if the density does not integrate to 1 over the cells, or a normal lies where the viewer cannot see it.
+    It is the smallest of three tests, along the view, across it and of all cells together, times three: Bonferroni's
+    correction. 0 if the density does not integrate to 1 over the cells, or a normal lies where the viewer cannot see it.
     """
     cells = SlopeCells(wo, scale)
-    counts, expected = cells.counts(normals), len(normals) * cells.shares(density)
+    counts, expected = cells.counts(normals), len(normals) * cells.integrals(density)
     if abs(expected.sum() / len(normals) - 1) > 1e-3 or counts.sum() != len(normals):
         return 0.0
-    looks = [(counts, expected), (counts.sum(0), expected.sum(0)), (counts.sum(1), expected.sum(1))]
-    return min(1.0, 3 * min(chance(*look) for look in looks))
+    tests = [(counts, expected), (counts.sum(0), expected.sum(0)), (counts.sum(1), expected.sum(1))]
+    return min(1.0, 3 * min(p_value_of_counts(*test) for test in tests))

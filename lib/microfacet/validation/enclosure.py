@@ -1,7 +1,8 @@
-"""The talk's two tables, proved: each tick an integral enclosed around its value, each cross a residual that excludes 0.
+"""Proofs of the talk's two tables: for each tick an enclosure of an integral, for each cross a residual that excludes 0.
 
-All integrals over normals are taken over the slope q along the view direction, where a facet is seen from its front if
-q < cot theta_o: per unit of projected area it then shows 1 - q tan theta_o. Kelemen's alone needs slopes in polar coordinates.
+All integrals over normals are taken over the slope q along the view direction, where a facet faces the viewer if
+q < cot theta_o: per unit of projected area its visible area is then 1 - q tan theta_o. Only Kelemen's needs slopes in polar
+coordinates.
 """
 
 from __future__ import annotations
@@ -23,9 +24,9 @@ from microfacet.statement import Equation, expand_abbreviations
 ROUGH = (1e-4, 0.1, 1.0, 10.0)
 POWERS = (0.5, 10.0, 1e4)
 ANGLES = (1e-3, 30.0, 60.0, 89.9, 90 - 1e-6)  # degrees
-FAR = 9  # in units of alpha: Gaussian slopes beyond have a share below 1e-36
+FAR = 9  # in units of alpha: the fraction of Gaussian slopes beyond is below 1e-36
 
-w = sp.Symbol("w", real=True)  # a slope along the view, in a form that suits the distribution
+w = sp.Symbol("w", real=True)  # a slope along the view, substituted to suit the distribution
 tan_o = printed_symbol("tan_o", r"\tan \theta_o", positive=True)
 COTANGENT = sp.cot(theta_o)
 CONSTANT, SLOPE, LOW, HIGH = sp.symbols("constant slope low high", real=True)
@@ -37,10 +38,10 @@ CONSTANT, SLOPE, LOW, HIGH = sp.symbols("constant slope low high", real=True)
 class Slopes:
     """One distribution's slopes along the view, as functions of w, which goes from -end to end.
 
-    q: the slope. density: P2(q) as stated elsewhere; printed: the same, as it was written.
+    q: the slope. density: P2(q), evaluated; printed: the same, as its statement writes it.
     level: density times dq/dw. tilted: the same times q.
     hidden: Smith's Lambda. Lambda, edge: the same, and w at q = cot theta_o, from shape and tan theta_o.
-    missing: bounds what 1 and q tan theta_o, times the density, integrate to beyond the ends.
+    missing: bounds the integrals of 1 and of q tan theta_o, times the density, beyond the ends.
     """
 
     shape: sp.Symbol
@@ -61,7 +62,7 @@ class Slopes:
         return [{str(self.shape): s, "degrees": d} for s in self.shapes for d in ANGLES]
 
     def integral(self, constant: Any, slope: Any, shape: Ball, low: Ball, high: Ball) -> Ball:
-        """Of (constant + slope q) P2(q) dq between two values of w."""
+        """Integral of (constant + slope q) P2(q) dq between two values of w."""
         return _integral(self.level, self.tilted, self.shape)(ball(constant), ball(slope), shape, low, high)
 
     def steps(self) -> list[Any]:
@@ -104,9 +105,9 @@ def _student_Lambda(n: Ball, tangent: Ball) -> Ball:
 
 
 def _gaussian_tail(alpha: Ball, tangent: Ball) -> Ball:
-    """Beyond s = FAR, where q = alpha s: of exp(-s^2)/sqrt(pi), and of that times alpha s tan theta_o."""
-    share = ball(FAR).erfc() + alpha * tangent * ball(-FAR * FAR).exp()
-    return share.union(-share)
+    """Bound of the integrals beyond s = FAR, q = alpha s: of exp(-s^2)/sqrt(pi), and of that times alpha s tan theta_o."""
+    tail = ball(FAR).erfc() + alpha * tangent * ball(-FAR * FAR).exp()
+    return tail.union(-tail)
 
 
 BECKMANN = Slopes(
@@ -152,7 +153,7 @@ STUDENT = Slopes(
     Lambda=_student_Lambda,
     edge=lambda n, tangent: (1 / tangent).atan(),
 )
-FAMILIES = ("beckmann", "ggx", "normalized_blinn_phong")
+TABLE_2_FAMILIES = ("beckmann", "ggx", "normalized_blinn_phong")
 
 
 def radians(degrees: Ball) -> Ball:
@@ -163,15 +164,15 @@ def radians(degrees: Ball) -> Ball:
 
 
 def smith_residual(slopes: Slopes, shape: Ball, degrees: Ball) -> Ball:
-    """What Smith's masking leaves of the facets turned to the viewer, over what he must see, less 1."""
+    """Visible area by Smith's masking of the facets that face the viewer, over the true value, less 1."""
     tangent = radians(degrees).tan()
     edge = slopes.edge(shape, tangent).min(ball(slopes.end))
-    turned = slopes.integral(1, -tangent, shape, -ball(slopes.end), edge) + slopes.missing(shape, tangent)
-    return turned / (1 + slopes.Lambda(shape, tangent)) - 1
+    facing = slopes.integral(1, -tangent, shape, -ball(slopes.end), edge) + slopes.missing(shape, tangent)
+    return facing / (1 + slopes.Lambda(shape, tangent)) - 1
 
 
 def cavity_residual(slopes: Slopes, shape: Ball, degrees: Ball) -> Ball:
-    """V-cavities show 1 - q tan theta_o of a facet, and at most 2: less where q < -cot theta_o."""
+    """V-cavities leave 1 - q tan theta_o of a facet visible, but at most 2, which masks it where q < -cot theta_o."""
     tangent = radians(degrees).tan()
     edge, end = slopes.edge(shape, tangent).min(ball(slopes.end)), ball(slopes.end)
     free = slopes.integral(1, -tangent, shape, -edge, edge)
@@ -183,8 +184,8 @@ def _enclosed(residual: Callable[[Slopes, Ball, Ball], Ball], slopes: Slopes) ->
     return balls.at(lambda **point: residual(slopes, point[str(slopes.shape)], point["degrees"]), slopes.points)
 
 
-def share(masking: str, over: str) -> sp.Symbol:
-    """What is seen over what there is to see, for one masking function over one distribution, named by its last word."""
+def visible_fraction(masking: str, over: str) -> sp.Symbol:
+    """The visible area over its true value, for a masking function over a distribution, whose last word is its subscript."""
     integrand = (
         rf"G_1^{{\text{{{masking}}}}}(\omega_o, \omega_m) \left\langle \omega_o, \omega_m \right\rangle"
         rf" D_{{\text{{{over.split()[-1]}}}}}(\omega_m)"
@@ -194,20 +195,20 @@ def share(masking: str, over: str) -> sp.Symbol:
     )
 
 
-def missing(masking: str, over: str) -> sp.Expr:
-    """By how much that is off."""
+def deviation(masking: str, over: str) -> sp.Expr:
+    """The deviation of that from 1."""
     with sp.evaluate(False):
-        return share(masking, over) - 1
+        return visible_fraction(masking, over) - 1
 
 
-def _turned(P2: sp.Expr) -> sp.Expr:
-    """What Smith's masking leaves of the facets turned to the viewer."""
+def _facing(P2: sp.Expr) -> sp.Expr:
+    """Visible area by Smith's masking of the facets that face the viewer."""
     with sp.evaluate(False):
         return sp.Integral((1 - q * sp.tan(theta_o)) * P2, (q, -sp.oo, sp.cot(theta_o))) / (1 + Lambda_o)
 
 
 def _free_and_cut(P2: sp.Expr) -> sp.Expr:
-    """What V-cavities leave: all of the facets that lean little, and twice the plane's share of those that lean far."""
+    """Visible area by V-cavities: facets of small slope whole, those of large slope with twice their projected area."""
     free, cut = (-sp.cot(theta_o), sp.cot(theta_o)), (-sp.oo, -sp.cot(theta_o))
     with sp.evaluate(False):
         return 2 * sp.Integral(P2, (q, *cut)) + sp.Integral((1 - q * sp.tan(theta_o)) * P2, (q, *free))
@@ -219,7 +220,7 @@ def _smith_steps(slopes: Slopes) -> list[Any]:
 
 
 def _cavity_steps(slopes: Slopes) -> list[Any]:
-    """A slope and its opposite together show 2: both are free, or one shows all of 2 and the other nothing."""
+    """A slope and its opposite together show 2: each is unmasked, or one shows 2 and the other 0."""
     return [*slopes.steps(), (1 - q * tan_o) + (1 + q * tan_o) - 2]
 
 
@@ -227,11 +228,11 @@ def _smith(key: str, over: str, slopes: Slopes) -> Equation:
     return Equation(
         key=key,
         title=f"Smith over {over}: what is seen is what there is to see",
-        symbol=share("Smith", over),
-        means=_turned(slopes.printed),
+        symbol=visible_fraction("Smith", over),
+        means=_facing(slopes.printed),
         equals=sp.Integer(1),
         where={blinn_phong.K: _NORM, Lambda_o: slopes.hidden},
-        proof=lambda it: [*_smith_steps(slopes), it.means - _turned(slopes.printed), it.equals - 1],
+        proof=lambda it: [*_smith_steps(slopes), it.means - _facing(slopes.printed), it.equals - 1],
         proved_by="sympy: the hidden part is Lambda's integral; the slopes are even, and their density is of norm 1",
         enclosed=lambda it: _enclosed(smith_residual, slopes),
         slides=(39, 40, 58),
@@ -243,7 +244,7 @@ def _cavity(key: str, over: str, slopes: Slopes) -> Equation:
     return Equation(
         key=key,
         title=f"V-cavities over {over}: what is seen is what there is to see",
-        symbol=share("V", over),
+        symbol=visible_fraction("V", over),
         means=_free_and_cut(slopes.printed),
         equals=sp.Integer(1),
         where={blinn_phong.K: _NORM},
@@ -255,7 +256,7 @@ def _cavity(key: str, over: str, slopes: Slopes) -> Equation:
     )
 
 
-PHONG = "normalised Blinn-Phong"
+PHONG_LABEL = "normalised Blinn-Phong"
 
 _smith(
     key="validation.table2.smith_beckmann",
@@ -269,7 +270,7 @@ _smith(
 )
 _smith(
     key="validation.table2.smith_normalized_blinn_phong",
-    over=PHONG,
+    over=PHONG_LABEL,
     slopes=STUDENT,
 )
 _cavity(
@@ -284,7 +285,7 @@ _cavity(
 )
 _cavity(
     key="validation.table2.v_cavity_normalized_blinn_phong",
-    over=PHONG,
+    over=PHONG_LABEL,
     slopes=STUDENT,
 )
 
@@ -318,7 +319,7 @@ def _phong_enclosed(closed: sp.Expr) -> list[Enclosure]:
 
 
 def _ward_steps() -> list[Any]:
-    """Ward's D is Beckmann's times cos^4, which is below 1 everywhere but at the pole; and Beckmann's integral is 1."""
+    """Ward's D is Beckmann's times cos^4, which is below 1 except at the pole; and Beckmann's integral is 1."""
     return [ward.D.equals.doit() - beckmann.D.equals.doit() * sp.cos(wm.theta) ** 4]
 
 
@@ -387,8 +388,8 @@ def _closed_enclosed(masking: sp.Expr, stated: sp.Expr, alphas: tuple[float, ...
 
     def apart(alpha: Ball, mu: Ball) -> Ball:
         tangent = (1 - mu**2).sqrt() / mu
-        turned = GGX.integral(1, -tangent, alpha, -ball(GGX.end), GGX.edge(alpha, tangent))
-        return mask(alpha, mu) * turned - 1 - excess(alpha, mu)
+        facing = GGX.integral(1, -tangent, alpha, -ball(GGX.end), GGX.edge(alpha, tangent))
+        return mask(alpha, mu) * facing - 1 - excess(alpha, mu)
 
     return balls.at(apart, [{"alpha": a, "mu": m} for a in alphas for m in COSINES])
 
@@ -396,7 +397,7 @@ def _closed_enclosed(masking: sp.Expr, stated: sp.Expr, alphas: tuple[float, ...
 implicit_ggx = Equation(
     key="validation.table2.implicit_ggx",
     title="by how much Implicit masking over GGX misses what there is to see",
-    symbol=missing("implicit", "GGX"),
+    symbol=deviation("implicit", "GGX"),
     equals=_IMPLICIT,
     proof=lambda: [*_closed_steps(mu_o, _IMPLICIT), *_sign_steps(alpha**2 * (1 + mu_o) - 4, IMPLICIT_UP_TO)],
     proved_by="sympy: Lambda put in, then modulo the square of the root",
@@ -408,7 +409,7 @@ implicit_ggx = Equation(
 schlick_ggx = Equation(
     key="validation.table2.schlick_smith_ggx",
     title="by how much Schlick-Smith over GGX misses what there is to see",
-    symbol=missing("Schlick", "GGX"),
+    symbol=deviation("Schlick", "GGX"),
     equals=_SCHLICK,
     proof=lambda: [
         *_closed_steps(mu_o / (mu_o + k * (1 - mu_o)), _SCHLICK),
@@ -425,7 +426,7 @@ schlick_ggx = Equation(
 halved_ggx = Equation(
     key="validation.table2.schlick_smith_halved_ggx",
     title="by how much Schlick-Smith with k = alpha/2 over GGX misses what there is to see",
-    symbol=missing("Schlick", "GGX"),
+    symbol=deviation("Schlick", "GGX"),
     equals=_HALVED,
     proof=lambda: [*_closed_steps((mu_o / (mu_o + k * (1 - mu_o))).subs(k, alpha / 2), _HALVED), _HALVED.doit().subs(alpha, 1)],
     proved_by="sympy: Lambda put in, then modulo the square of the root",
@@ -456,12 +457,12 @@ def _plain(expression: sp.Expr, *arguments: sp.Symbol) -> Callable[..., Ball]:
 
 
 def _implicit_box(alpha: Ball, degrees: Ball) -> Ball:
-    """(share - 1)/(1 - mu) with share = mu (1 + Lambda)."""
+    """(fraction - 1)/(1 - mu) with fraction = mu (1 + Lambda)."""
     return alpha * _hidden(alpha, degrees) - 1
 
 
 def _schlick_box(alpha: Ball, degrees: Ball) -> Ball:
-    """(share - 1)(mu + k (1 - mu))/(alpha (1 - mu)) with share = mu (1 + Lambda)/(mu + k (1 - mu)), k = alpha sqrt(2/pi)."""
+    """(f - 1)(mu + k (1 - mu))/(alpha (1 - mu)) with f = mu (1 + Lambda)/(mu + k (1 - mu)), k = alpha sqrt(2/pi)."""
     return _hidden(alpha, degrees) - (2 / balls.pi()).sqrt()
 
 
@@ -482,7 +483,7 @@ BOX = {"alpha": (SMOOTHEST, ROUGHEST), "degrees": (STEEPEST, FLATTEST)}
 implicit_beckmann = Equation(
     key="validation.table2.implicit_beckmann",
     title="Implicit masking over Beckmann shows too little from every side",
-    symbol=share("implicit", "Beckmann"),
+    symbol=visible_fraction("implicit", "Beckmann"),
     equals=sp.Integer(1),
     relation="<",
     proof=_box_steps,
@@ -495,7 +496,7 @@ implicit_beckmann = Equation(
 schlick_beckmann = Equation(
     key="validation.table2.schlick_smith_beckmann",
     title="Schlick-Smith over Beckmann shows too little from every side",
-    symbol=share("Schlick", "Beckmann"),
+    symbol=visible_fraction("Schlick", "Beckmann"),
     equals=sp.Integer(1),
     relation="<",
     proof=_box_steps,
@@ -507,66 +508,74 @@ schlick_beckmann = Equation(
 )
 
 
-# --- crosses: Kelemen, the area of what is turned to the viewer -----------------------------------------------------------
+# --- crosses: Kelemen, the area of the facets that face the viewer --------------------------------------------------------
 
-r, limit = sp.symbols("r limit", positive=True)  # length of a slope in units of alpha; where the edge of visibility cuts in
-turn = sp.Symbol("turn", real=True)
-FEW = 12  # digits that an integral needs to tell it from 1
-PART = 6  # Gaussian slopes beyond have less than 1e-15 of the area
+r, limit = sp.symbols("r limit", positive=True)  # length of a slope in units of alpha; the edge of visibility in the same units
+azimuth = sp.Symbol("azimuth", real=True)
+DIGITS_NEAR_1 = 12  # digits of an integral that must differ from 1
+LAST_RADIUS = 6  # in units of alpha: Gaussian slopes beyond have less than 1e-15 of the area
 _AREA = sp.sqrt(1 + alpha**2 * r**2) * 2 * r * sp.exp(-(r**2))
-_RING = sp.sqrt(sp.cos(turn) ** 2 + alpha**2 * limit**2) / (sp.cos(turn) ** 2 + limit**2) ** 2 * 2 * limit**2 * sp.sin(turn)
-_SEEN = {
+_RING = (
+    sp.sqrt(sp.cos(azimuth) ** 2 + alpha**2 * limit**2)
+    / (sp.cos(azimuth) ** 2 + limit**2) ** 2
+    * 2
+    * limit**2
+    * sp.sin(azimuth)
+)
+_VISIBLE = {
     "beckmann_inside": sp.Integral(_AREA, (r, LOW, HIGH)),
     "beckmann_outside": sp.Integral(_AREA * (1 - sp.acos(limit / r) / sp.pi), (r, LOW, HIGH)),
     "ggx_inside": sp.Integral(2 * sp.sin(w) * sp.sqrt(sp.cos(w) ** 2 + alpha**2 * sp.sin(w) ** 2), (w, LOW, HIGH)),
-    "ggx_outside": sp.Integral(_RING * (1 - turn / sp.pi), (turn, LOW, HIGH)),
+    "ggx_outside": sp.Integral(_RING * (1 - azimuth / sp.pi), (azimuth, LOW, HIGH)),
 }
 
 
-def _seen(part: str, alpha_: Ball, reach: Ball, low: Any, high: Any) -> Ball:
-    return _plain(_SEEN[part], alpha, limit, LOW, HIGH)(alpha_, reach, low, high)
+def _visible(part: str, alpha_: Ball, reach: Ball, low: Any, high: Any) -> Ball:
+    return _plain(_VISIBLE[part], alpha, limit, LOW, HIGH)(alpha_, reach, low, high)
 
 
-def _beckmann_seen(alpha: Ball, reach: Ball) -> Ball:
-    """Area of the facets turned to the viewer: all with slopes below `reach`, and of each ring beyond a share 1 - acos/pi."""
-    edge = reach.min(ball(PART))
-    rest = ball(-PART * PART).exp() * (1 + alpha * (PART + 1))
-    inside, outside = _seen("beckmann_inside", alpha, reach, 0, edge), ball(0)
-    if edge < PART:
-        outside = _seen("beckmann_outside", alpha, reach, edge, PART)
+def beckmann_visible_area(alpha: Ball, reach: Ball) -> Ball:
+    """Area of the facets that face the viewer: all slopes below `reach`, and the fraction 1 - acos/pi of each ring beyond."""
+    edge = reach.min(ball(LAST_RADIUS))
+    rest = ball(-LAST_RADIUS * LAST_RADIUS).exp() * (1 + alpha * (LAST_RADIUS + 1))
+    inside, outside = _visible("beckmann_inside", alpha, reach, 0, edge), ball(0)
+    if edge < LAST_RADIUS:
+        outside = _visible("beckmann_outside", alpha, reach, edge, LAST_RADIUS)
     return inside + outside + rest.union(0)
 
 
-def _ggx_seen(alpha: Ball, reach: Ball) -> Ball:
-    """The same in r = tan w inside, r = reach/cos(turn) outside."""
-    half_turn = balls.pi() / 2
-    return _seen("ggx_inside", alpha, reach, 0, reach.atan()) + _seen("ggx_outside", alpha, reach, 0, half_turn)
+def ggx_visible_area(alpha: Ball, reach: Ball) -> Ball:
+    """The same with r = tan w inside, r = reach/cos(azimuth) outside."""
+    right_angle = balls.pi() / 2
+    return _visible("ggx_inside", alpha, reach, 0, reach.atan()) + _visible("ggx_outside", alpha, reach, 0, right_angle)
 
 
-def _kelemen_box(seen: Callable[[Ball, Ball], Ball], alpha: Ball, degrees: Ball) -> Ball:
-    """Area grows with alpha, and what is seen of it falls with the angle and with the slopes' size: the ends bound it."""
+def _kelemen_box(visible_area: Callable[[Ball, Ball], Ball], alpha: Ball, degrees: Ball) -> Ball:
+    """Area grows with alpha, and its visible part falls with the angle and with the slopes' size: the ends bound it."""
     cotangent = 1 / radians(degrees).tan()
-    with balls.precision(int(FEW * 3.33) + 20):
-        least = seen(alpha.lower(), cotangent.lower() / alpha.upper())
-        most = seen(alpha.upper(), cotangent.upper() / alpha.lower())
+    with balls.precision(int(DIGITS_NEAR_1 * 3.33) + 20):
+        least = visible_area(alpha.lower(), cotangent.lower() / alpha.upper())
+        most = visible_area(alpha.upper(), cotangent.upper() / alpha.lower())
         return least.union(most) - 1
 
 
-STEEP, GRAZING = (0.001, 45.0), (87.0, 89.999)  # degrees
+STEEP_ANGLES, GRAZING_ANGLES = (0.001, 45.0), (87.0, 89.999)  # degrees
 KELEMEN_ROUGH = (0.1, 0.9)
 
 
-def _cross(key: str, over: str, seen: Callable[[Ball, Ball], Ball], relation: str, angles: tuple[float, float]) -> Equation:
+def _cross(
+    key: str, over: str, visible_area: Callable[[Ball, Ball], Ball], relation: str, angles: tuple[float, float]
+) -> Equation:
     def enclosed(it: Equation) -> list[Enclosure]:
         def residual(alpha: Ball, degrees: Ball) -> Ball:
-            return _kelemen_box(seen, alpha, degrees)
+            return _kelemen_box(visible_area, alpha, degrees)
 
         return [balls.over(residual, alpha=KELEMEN_ROUGH, degrees=angles)]
 
     return Equation(
         key=key,
         title=f"Kelemen over {over} shows too {'much from above' if relation == '>' else 'little at grazing angles'}",
-        symbol=share("Kelemen", over),
+        symbol=visible_fraction("Kelemen", over),
         equals=sp.Integer(1),
         relation=relation,
         enclosed=enclosed,
@@ -579,28 +588,28 @@ def _cross(key: str, over: str, seen: Callable[[Ball, Ball], Ball], relation: st
 _cross(
     key="validation.table2.kelemen_beckmann_above",
     over="Beckmann",
-    seen=_beckmann_seen,
+    visible_area=beckmann_visible_area,
     relation=">",
-    angles=STEEP,
+    angles=STEEP_ANGLES,
 )
 _cross(
     key="validation.table2.kelemen_beckmann_grazing",
     over="Beckmann",
-    seen=_beckmann_seen,
+    visible_area=beckmann_visible_area,
     relation="<",
-    angles=GRAZING,
+    angles=GRAZING_ANGLES,
 )
 _cross(
     key="validation.table2.kelemen_ggx_above",
     over="GGX",
-    seen=_ggx_seen,
+    visible_area=ggx_visible_area,
     relation=">",
-    angles=STEEP,
+    angles=STEEP_ANGLES,
 )
 _cross(
     key="validation.table2.kelemen_ggx_grazing",
     over="GGX",
-    seen=_ggx_seen,
+    visible_area=ggx_visible_area,
     relation="<",
-    angles=GRAZING,
+    angles=GRAZING_ANGLES,
 )

@@ -13,19 +13,19 @@ from microfacet.brdf.specular import Microfacet
 from microfacet.directions import as_vectors, one_of, positive, spherical
 from microfacet.geometry.panels import Panels
 from microfacet.geometry.slopes import Distribution
-from microfacet.validation.over_panels import DRAWN, MORE, ROUNDING, Kernels, Sight, Sights
+from microfacet.validation.over_panels import FEW_SAMPLES, MANY_SAMPLES, ROUNDING, Kernels, Sight, Sights
 from microfacet.visibility.masking import Masking
 from microfacet.visibility.smith import Smith
 
-TOLERANCE = 1e-9  # what a relative residual may be and still count as rounding and quadrature
-ALIKE = 1e-7  # how far D of an isotropic distribution may differ between azimuths, of its largest value on the same ring
+TOLERANCE = 1e-9  # largest relative residual that counts as rounding and quadrature
+ISOTROPY_TOLERANCE = 1e-7  # largest difference of an isotropic D between azimuths, relative to its maximum on the ring
 
 THETA = np.radians([0, 15, 30, 45, 60, 75, 85, 89])
-AZIMUTHS = 6  # from which each polar angle is looked at
-GOLDEN = 0.6180339887498949  # of a turn from one azimuth to the next: no symmetry hides between them
-GRAZING = (0.5, 0.125)  # cotangents, in slope scales, at which the facets of any surface mask each other
-TOWARDS = np.radians([60, 85])  # polar angles from which lobes that lean are looked at, along them and against
-LOBES = 2  # of those, so many
+AZIMUTH_COUNT = 6  # of the views at each polar angle
+GOLDEN = 0.6180339887498949  # of a full circle from one azimuth to the next: no symmetry hides between them
+GRAZING_COTANGENTS = (0.5, 0.125)  # cotangents, in slope scales, at which the facets of any surface mask each other
+TOWARDS = np.radians([60, 85])  # polar angles of the views along and against lobes that lean
+LOBES = 2  # number of lobes viewed so
 
 TITLES = {
     "projected_area": "visible from above: facets project to the whole surface",
@@ -67,7 +67,7 @@ class Verdict:
 
     @property
     def needs(self) -> str:
-        """What would decide an undecided equation; otherwise empty."""
+        """Remedy for an undecided equation; otherwise empty."""
         if self.verdict != "undecided":
             return ""
         needed = abs(self.residual) + self.bound
@@ -155,16 +155,16 @@ def validate(model: Masking, wo: Any = None, tolerance: float = TOLERANCE) -> Va
     views = default_views(model.ndf) if wo is None else _above(wo)
     sights = Sights(model)
     if model.ndf.isotropic:
-        _refuse_preferred(model.ndf, sights)
-    found, seen = sights(views), _resting(model.ndf, views)
+        _require_isotropy(model.ndf, sights)
+    by_view, rests_on = sights(views), _evidence(model.ndf, views)
     level = f"D at {model.ndf.panels.evaluations} normals, features down to {_finest(model.ndf.panels)} wide in slope"
     return Validation(
         repr(model),
         [
             _level_verdict(model.ndf.panels, tolerance, level),
-            *(_integral_verdict(name, *_of(found, name), views, tolerance, seen) for name in INTEGRALS[1:]),
+            *(_integral_verdict(name, *_of(by_view, name), views, tolerance, rests_on) for name in INTEGRALS[1:]),
             *_pair_verdicts(sights, tolerance),
-            _energy_verdict(model, found, views, tolerance, seen),
+            _energy_verdict(model, by_view, views, tolerance, rests_on),
         ],
     )
 
@@ -172,15 +172,18 @@ def validate(model: Masking, wo: Any = None, tolerance: float = TOLERANCE) -> Va
 def default_views(ndf: Distribution) -> np.ndarray:
     """View directions that a verdict rests on: for an isotropic distribution one of each polar angle, otherwise many azimuths.
 
-    No two azimuths are alike, and no symmetry has them in common. Smooth surfaces are also looked at so near the horizon that
-    their facets mask each other. Without isotropy, lobes that lean are looked at along and against their azimuth, and across.
+    All azimuths differ, and no symmetry maps one to another. Smooth surfaces are also viewed so near the horizon that their
+    facets mask each other. Without isotropy, lobes that lean are viewed along, against and across their azimuth.
     """
-    azimuths = 1 if ndf.isotropic else AZIMUTHS
+    azimuths = 1 if ndf.isotropic else AZIMUTH_COUNT
     theta = np.array([THETA[0], *np.tile(THETA[1:], azimuths)])
     views = [spherical(theta, _spread(len(theta))), _grazing(ndf.slope_scale, azimuths)]
     if not ndf.isotropic:
         views += [
-            spherical(t, phi + turn)[None] for phi in _leaning(ndf.panels) for t in TOWARDS for turn in (0, np.pi / 2, np.pi)
+            spherical(t, phi + offset)[None]
+            for phi in _leaning(ndf.panels)
+            for t in TOWARDS
+            for offset in (0, np.pi / 2, np.pi)
         ]
     return np.concatenate(views)
 
@@ -191,18 +194,18 @@ def _spread(count: int) -> np.ndarray:
 
 def _grazing(scale: tuple[float, float], azimuths: int) -> np.ndarray:
     """Views beyond the last polar angle whose cotangent is comparable to the slopes along their azimuth."""
-    cot = np.tile(GRAZING, azimuths)
+    cot = np.tile(GRAZING_COTANGENTS, azimuths)
     phi = _spread(len(cot))
     theta = np.arctan2(1, cot * np.hypot(scale[0] * np.cos(phi), scale[1] * np.sin(phi)))
     beyond = theta > THETA[-1]
     return spherical(theta[beyond], phi[beyond])
 
 
-def _leaning(found: Panels) -> list[float]:
-    """Azimuths of the views that see most of the panels with most facets from the front, those of lobes that lean."""
-    area, x, y = found.moments.T
+def _leaning(panels: Panels) -> list[float]:
+    """Azimuths of the views that face the panels with most facets: those of lobes that lean."""
+    area, x, y = panels.moments.T
     azimuths: list[float] = []
-    for k in np.argsort(-area * np.hypot(x / found.scale[0], y / found.scale[1])):
+    for k in np.argsort(-area * np.hypot(x / panels.scale[0], y / panels.scale[1])):
         azimuth = float(np.arctan2(-y[k], -x[k]))
         if all(abs(np.angle(np.exp(1j * (azimuth - other)))) > np.pi / 6 for other in azimuths):
             azimuths.append(azimuth)
@@ -211,13 +214,13 @@ def _leaning(found: Panels) -> list[float]:
     return azimuths
 
 
-def _finest(found: Panels) -> str:
-    """The distance of neighbouring points in the look at D, as slopes."""
-    return f"{found.closest * found.scale[0]:.1g} by {found.closest * found.scale[1]:.1g}"
+def _finest(panels: Panels) -> str:
+    """Spacing of the points at which D was surveyed, in slopes."""
+    return f"{panels.closest * panels.scale[0]:.1g} by {panels.closest * panels.scale[1]:.1g}"
 
 
-def _resting(ndf: Distribution, views: np.ndarray) -> str:
-    """What a verdict on integrals rests on, in words."""
+def _evidence(ndf: Distribution, views: np.ndarray) -> str:
+    """The views that a verdict on integrals rests on, in words."""
     polar = len(np.unique(np.round(views[:, 2], 9)))
     azimuths = np.unique(np.round(np.degrees(np.arctan2(views[:, 1], views[:, 0])) % 360, 6))
     gaps = np.diff([*azimuths, azimuths[0] + 360])
@@ -227,19 +230,21 @@ def _resting(ndf: Distribution, views: np.ndarray) -> str:
     return f"{len(views)} views, {polar} polar angles, {len(azimuths)} azimuths; {symmetry}"
 
 
-RINGS, TURNS = 512, 61  # normals at which isotropy is checked, and azimuths of each
+RINGS, RING_AZIMUTHS = 512, 61  # normals at which isotropy is checked, and azimuths of each
 
 
-def _refuse_preferred(ndf: Distribution, sights: Sights) -> None:
+def _require_isotropy(ndf: Distribution, sights: Sights) -> None:
     """A ValueError if D changes with azimuth, at normals spread over the facets."""
     normals = sights.spread(RINGS)
-    turns = 2 * np.pi * (GOLDEN * np.arange(1, TURNS + 1))[:, None]
+    azimuths = 2 * np.pi * (GOLDEN * np.arange(1, RING_AZIMUTHS + 1))[:, None]
     x, y, z = normals.T
-    turned = np.stack([x * np.cos(turns) - y * np.sin(turns), x * np.sin(turns) + y * np.cos(turns), z + 0 * turns], axis=-1)
-    values = np.concatenate([ndf.D(normals)[None], ndf.D(turned)])
+    rotated = np.stack(
+        [x * np.cos(azimuths) - y * np.sin(azimuths), x * np.sin(azimuths) + y * np.cos(azimuths), z + 0 * azimuths], axis=-1
+    )
+    values = np.concatenate([ndf.D(normals)[None], ndf.D(rotated)])
     apart = np.ptp(values, axis=0) / np.maximum(np.abs(values).max(axis=0), np.finfo(float).tiny)
     worst = int(np.argmax(apart))
-    if apart[worst] > ALIKE:
+    if apart[worst] > ISOTROPY_TOLERANCE:
         theta = np.degrees(np.arctan2(np.hypot(x[worst], y[worst]), z[worst]))
         differs = f"its D differs by {apart[worst]:.1%} between azimuths at theta_m = {theta:.4g}"
         raise ValueError(f"{ndf!r} says that it is isotropic, but {differs}")
@@ -260,12 +265,12 @@ INTEGRALS = ("projected_area", "visible_area", "visible_norm", "weak_furnace")
 ABOVE = np.array([0.0, 0.0, 1.0])  # a view that no masking changes
 
 
-def _of(found: list[Sight], equation: str) -> tuple[np.ndarray, np.ndarray]:
+def _of(by_view: list[Sight], equation: str) -> tuple[np.ndarray, np.ndarray]:
     """Residuals of one of the three equations that depend on the view, and their errors."""
     sums = np.array(
         [
             getattr(sight, {"visible_area": "area", "visible_norm": "norm", "weak_furnace": "furnace"}[equation])
-            for sight in found
+            for sight in by_view
         ]
     )
     return sums[:, 0] - 1, sums[:, 1]
@@ -283,23 +288,23 @@ def residual(model: Masking, equation: str, wo: Any) -> tuple[np.ndarray, np.nda
 
 def residuals(model: Masking, wo: Any, equations: tuple[str, ...] = INTEGRALS) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """`residual` of each of the four, by name."""
-    views, found = _above(wo), model.ndf.panels
-    level = np.full(len(views), found.area - 1), np.full(len(views), found.error + ROUNDING)
+    views, panels = _above(wo), model.ndf.panels
+    level = np.full(len(views), panels.area - 1), np.full(len(views), panels.error + ROUNDING)
     sights = Sights(model)(views) if set(equations) - {INTEGRALS[0]} else []
     return {name: level if name == INTEGRALS[0] else _of(sights, name) for name in equations}
 
 
-def _level_verdict(found: Panels, tolerance: float, seen: str) -> Verdict:
-    value, bound = found.area - 1, found.error + ROUNDING
-    return Verdict(INTEGRALS[0], decide(np.array([value]), np.array([bound]), tolerance), value, bound, "", seen)
+def _level_verdict(panels: Panels, tolerance: float, rests_on: str) -> Verdict:
+    value, bound = panels.area - 1, panels.error + ROUNDING
+    return Verdict(INTEGRALS[0], decide(np.array([value]), np.array([bound]), tolerance), value, bound, "", rests_on)
 
 
 def _integral_verdict(
-    name: str, values: np.ndarray, bounds: np.ndarray, views: np.ndarray, tolerance: float, seen: str
+    name: str, values: np.ndarray, bounds: np.ndarray, views: np.ndarray, tolerance: float, rests_on: str
 ) -> Verdict:
     worst = int(np.argmax(np.abs(values)))
     verdict = decide(values, bounds, tolerance)
-    return Verdict(name, verdict, float(values[worst]), float(bounds.max()), _degrees("o", views[worst]), seen)
+    return Verdict(name, verdict, float(values[worst]), float(bounds.max()), _degrees("o", views[worst]), rests_on)
 
 
 def decide(values: np.ndarray, bounds: np.ndarray, tolerance: float) -> str:
@@ -327,18 +332,18 @@ def _directions() -> np.ndarray:
 
 
 def _pair_verdicts(sights: Sights, tolerance: float) -> list[Verdict]:
-    """Each direction with each other, as viewer and light and the other way round; D at all normals it was looked at."""
+    """Verdicts on all pairs of directions, each as viewer and light and the other way round, and on D at all its nodes."""
     wo, wi, there, back = _both_ways(sights.kernels)
     scale = np.maximum(np.abs(there), np.finfo(float).tiny)
     negative, normal = sights.negative()
-    seen = f"{PAIRS} pairs of {DIRECTIONS} directions"
-    positive_pairs = _pair_verdict("positivity", np.minimum(there / scale, 0), wo, wi, tolerance, seen)
+    rests_on = f"{PAIRS} pairs of {DIRECTIONS} directions"
+    positive_pairs = _pair_verdict("positivity", np.minimum(there / scale, 0), wo, wi, tolerance, rests_on)
     if -negative < positive_pairs.residual:
         verdict = decide(np.array([-negative]), np.array([ROUNDING]), tolerance)
         positive_pairs = Verdict(
-            "positivity", verdict, -negative, ROUNDING, _degrees("m", normal), f"{seen}, and the area of D below 0"
+            "positivity", verdict, -negative, ROUNDING, _degrees("m", normal), f"{rests_on}, and the area of D below 0"
         )
-    return [positive_pairs, _pair_verdict("reciprocity", (there - back) / scale, wo, wi, tolerance, seen)]
+    return [positive_pairs, _pair_verdict("reciprocity", (there - back) / scale, wo, wi, tolerance, rests_on)]
 
 
 def _both_ways(kernels: Kernels) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -352,29 +357,29 @@ def _both_ways(kernels: Kernels) -> tuple[np.ndarray, np.ndarray, np.ndarray, np
     return wo, wi, there, kernels.G2([Lambda[second], Lambda[first], wi, wo, h], kernels.parameters)
 
 
-def _pair_verdict(name: str, values: np.ndarray, wo: np.ndarray, wi: np.ndarray, tolerance: float, seen: str) -> Verdict:
+def _pair_verdict(name: str, values: np.ndarray, wo: np.ndarray, wi: np.ndarray, tolerance: float, rests_on: str) -> Verdict:
     worst = int(np.argmax(np.abs(values)))
     verdict = decide(values, np.full(len(values), ROUNDING), tolerance)
     where = f"{_degrees('o', wo[worst])}, {_degrees('i', wi[worst])}"
-    return Verdict(name, verdict, float(values[worst]), ROUNDING, where, seen)
+    return Verdict(name, verdict, float(values[worst]), ROUNDING, where, rests_on)
 
 
-def _energy_verdict(model: Masking, found: list[Sight], views: np.ndarray, tolerance: float, seen: str) -> Verdict:
-    """The largest albedo, less 1: only what is above 0 breaks the equation."""
-    values, bounds, rests = _albedos(model, found, views)
-    highest = np.minimum(values + bounds, [sight.limit for sight in found])
+def _energy_verdict(model: Masking, by_view: list[Sight], views: np.ndarray, tolerance: float, rests_on: str) -> Verdict:
+    """The largest albedo, less 1: only a positive residual breaks the equation."""
+    values, bounds, method = _albedos(model, by_view, views)
+    highest = np.minimum(values + bounds, [sight.limit for sight in by_view])
     worst = int(np.argmax(values))
     fails, holds = np.any(values - bounds > 1 + tolerance), np.all(highest <= 1 + tolerance)
     verdict = "fails" if fails else "holds" if holds else "undecided"
     where = _degrees("o", views[worst])
-    return Verdict("energy", verdict, float(values[worst] - 1), float(bounds[worst]), where, f"{seen}; {rests}")
+    return Verdict("energy", verdict, float(values[worst] - 1), float(bounds[worst]), where, f"{rests_on}; {method}")
 
 
-def _albedos(model: Masking, found: list[Sight], views: np.ndarray) -> tuple[np.ndarray, np.ndarray, str]:
-    """By quadrature where kinks are known and masking has a closed form. Elsewhere that takes long, and a few normals do."""
+def _albedos(model: Masking, by_view: list[Sight], views: np.ndarray) -> tuple[np.ndarray, np.ndarray, str]:
+    """By quadrature where kinks are known and masking has a closed form; elsewhere, where it is slow, from a few normals."""
     reflected = Microfacet(model).reflected
     closed = not isinstance(model, Smith) or type(model.ndf).closed_Lambda is not None
     if closed and reflected.effort == KNOWN:
         return *reflected(views), "albedos by quadrature"
-    values, bounds = np.array([sight.albedo for sight in found]).T
-    return values, bounds, f"light followed from {DRAWN} to {MORE} normals each"
+    values, bounds = np.array([sight.albedo for sight in by_view]).T
+    return values, bounds, f"light followed from {FEW_SAMPLES} to {MANY_SAMPLES} normals each"

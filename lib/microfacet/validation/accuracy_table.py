@@ -1,6 +1,6 @@
-"""The digits that may be trusted: the fewest that are right over the whole domain, for each part of the library.
+"""The accuracy table: the fewest correct digits over the whole domain, for each part of the library.
 
-Families of distributions come into the table by themselves if they state D and Lambda.
+A family of distributions enters the table by itself if it states D and Lambda.
 """
 
 from __future__ import annotations
@@ -42,38 +42,42 @@ from microfacet.visibility.smith import Smith
 from microfacet.visibility.v_cavity import VCavity
 
 RATIOS = (1.0, 1e-4)  # of alpha_y to alpha_x
-FEWER = 4  # every fourth roughness and angle of the maps
+STRIDE = 4  # every fourth roughness and angle of the maps
 
 
 def _normals(ndf: Distribution, real: type) -> Array:
-    m = directions(real, TANGENT[::FEWER])
+    m = directions(real, TANGENT[::STRIDE])
     return digits(D(ndf, m), [exact_D(ndf, one) for one in m], real)
 
 
 def _masking(ndf: Distribution, real: type) -> Array:
-    """At facets that lie flat, which every view sees."""
-    views = directions(real, TANGENT[::FEWER])
+    """At horizontal facets, which face every view."""
+    views = directions(real, TANGENT[::STRIDE])
     up: Array = np.array([0, 0, 1], real)
     return digits(Smith(ndf).G1(views, up), [exact_G1(ndf, wo) for wo in views], real)
 
 
 def _lobes(ndf: Distribution, real: type) -> Array:
     """BRDF and density, for the mirrored view, for one at right angles to it, and for one that is higher."""
-    views, brdf = directions(real, TANGENT[::FEWER]), Microfacet(Smith(ndf))
-    turns = [views * np.array([-1, -1, 1], real), views[:, [1, 0, 2]] * np.array([-1, 1, 1], real), np.roll(views, 1, axis=0)]
-    found = []
-    for lights in turns:
+    views, brdf = directions(real, TANGENT[::STRIDE]), Microfacet(Smith(ndf))
+    all_lights = [
+        views * np.array([-1, -1, 1], real),
+        views[:, [1, 0, 2]] * np.array([-1, 1, 1], real),
+        np.roll(views, 1, axis=0),
+    ]
+    correct = []
+    for lights in all_lights:
         pairs = list(zip(views, lights, strict=True))
-        found.append(digits(brdf.evaluate(views, lights), [exact_rho(ndf, *pair) for pair in pairs], real))
-        found.append(digits(brdf.pdf(views, lights), [exact_pdf(ndf, *pair) for pair in pairs], real))
-    return np.concatenate(found)
+        correct.append(digits(brdf.evaluate(views, lights), [exact_rho(ndf, *pair) for pair in pairs], real))
+        correct.append(digits(brdf.pdf(views, lights), [exact_pdf(ndf, *pair) for pair in pairs], real))
+    return np.concatenate(correct)
 
 
-def _drawn(ndf: Distribution, real: type) -> Array:
-    """Of families whose sampler can be undone."""
+def _visible_normals(ndf: Distribution, real: type) -> Array:
+    """Of families whose sampler can be inverted."""
     if type(ndf) not in NUMBERS:
         return np.full(1, np.nan)
-    views = directions(real, TANGENT[::FEWER])
+    views = directions(real, TANGENT[::STRIDE])
     numbers: Array = np.array([(0.3, 0.01), (0.6, 0.5), (0.9, 0.99)], real)
     normals = Smith(ndf).sample_visible(views[:, None], numbers)
     return np.array(
@@ -88,24 +92,24 @@ PARTS: dict[str, Callable[[Distribution, type], Array]] = {
     "`D`": _normals,
     "`G1`": _masking,
     "`evaluate`, `pdf`": _lobes,
-    "`sample_visible`": _drawn,
+    "`sample_visible`": _visible_normals,
 }
 
 
 def fewest(part: Callable[[Distribution, type], Array], kind: Callable[..., Distribution], real: type) -> float:
     """Fewest right digits over all roughnesses, ratios and angles."""
-    pairs = [(rounded(alpha, real), rounded(alpha * ratio, real)) for ratio in RATIOS for alpha in ALPHA[::FEWER]]
-    found = np.concatenate([np.ravel(part(kind(*pair), real)) for pair in pairs if min(pair) > 0.99 * ALPHA[0]])
-    return float(np.nanmin(found)) if np.isfinite(found).any() else np.nan
+    pairs = [(rounded(alpha, real), rounded(alpha * ratio, real)) for ratio in RATIOS for alpha in ALPHA[::STRIDE]]
+    correct = np.concatenate([np.ravel(part(kind(*pair), real)) for pair in pairs if min(pair) > 0.99 * ALPHA[0]])
+    return float(np.nanmin(correct)) if np.isfinite(correct).any() else np.nan
 
 
 def stated_families() -> list[type[Distribution]]:
-    """Families of two roughnesses that state D and Lambda, which 50 digits can be had of: GGX, Beckmann, then others."""
+    """Families of two roughnesses that state D and Lambda, and so have a reference of 50 digits: GGX, Beckmann, then others."""
     kinds = families(Distribution, ("GGX", "Beckmann"))
     return [kind for kind in kinds if alphas_of(kind) == 2 and {"D", "Lambda"} <= kind.statements.keys()]
 
 
-def digits_to_trust() -> dict[str, list[float]]:
+def digits_by_part() -> dict[str, list[float]]:
     """Fewest right digits of each part, for each family in double and in single precision."""
     kinds = stated_families()
     return {name: [fewest(part, kind, real) for kind in kinds for real in PRECISIONS] for name, part in PARTS.items()}
@@ -115,7 +119,7 @@ def digits_to_trust() -> dict[str, list[float]]:
 
 INDICES = np.logspace(-3, 3, 25)
 COSINES = np.append(np.logspace(-8, -0.1, 14), 1.0)
-EXPONENTS = np.minimum(2 / ALPHA[::FEWER] ** 2, 1e16)
+EXPONENTS = np.minimum(2 / ALPHA[::STRIDE] ** 2, 1e16)
 MATT = np.logspace(-8, 3, 8)  # roughnesses, and
 MATT_TANGENT = np.logspace(-8, 8, 9)  # tangents of the lights
 CORE = 30  # digits of an integral by quadrature
@@ -129,7 +133,7 @@ def _power(n: float, m: Any) -> mpmath.mpf:
 
 
 def _power_normals(real: type) -> Array:
-    m = directions(real, TANGENT[::FEWER])
+    m = directions(real, TANGENT[::STRIDE])
     exponents = [rounded(n, real) for n in EXPONENTS]
     return np.array([digits(NormalizedBlinnPhong(n).D(m), [_power(n, one) for one in m], real) for n in exponents])
 
@@ -143,24 +147,24 @@ def _power_lobe(n: float, wo: Array, wi: Array) -> mpmath.mpf:
 
 
 def _power_lobes(real: type) -> Array:
-    views, found = directions(real, TANGENT[::FEWER]), []
+    views, correct = directions(real, TANGENT[::STRIDE]), []
     for n in (rounded(n, real) for n in EXPONENTS):
         for lights in (views * np.array([-1, -1, 1], real), np.roll(views, 1, axis=0)):
             exact = [_power_lobe(n, *pair) for pair in zip(views, lights, strict=True)]
-            found.append(digits(Microfacet(VCavity(NormalizedBlinnPhong(n))).evaluate(views, lights), exact, real))
-    return np.array(found)
+            correct.append(digits(Microfacet(VCavity(NormalizedBlinnPhong(n))).evaluate(views, lights), exact, real))
+    return np.array(correct)
 
 
-def _power_drawn(real: type) -> Array:
-    """The tangents of drawn normals."""
+def _power_sampled(real: type) -> Array:
+    """The tangents of sampled normals."""
     u: Array = np.array([(1e-6, 0.1), (0.3, 0.4), (0.99, 0.7)], real)
-    found = []
+    correct = []
     for n in (rounded(n, real) for n in EXPONENTS):
         m = NormalizedBlinnPhong(n).sample(u).astype(float)
         with mpmath.workdps(DIGITS):
             exact = [mpmath.sqrt((1 - mpmath.mpf(float(one))) ** (-2 / (n + mpmath.mpf(2))) - 1) for one in u[:, 0]]
-        found.append(digits(np.hypot(m[:, 0], m[:, 1]) / m[:, 2], exact, real))
-    return np.array(found)
+        correct.append(digits(np.hypot(m[:, 0], m[:, 1]) / m[:, 2], exact, real))
+    return np.array(correct)
 
 
 def _ward_D(alpha: tuple[float, float], m: Array) -> mpmath.mpf:
@@ -170,8 +174,8 @@ def _ward_D(alpha: tuple[float, float], m: Array) -> mpmath.mpf:
 
 
 def _ward_normals(real: type) -> Array:
-    m = directions(real, TANGENT[::FEWER])
-    pairs = [(rounded(a, real), rounded(a * r, real)) for r in RATIOS for a in ALPHA[::FEWER] if a * r > 0.99 * ALPHA[0]]
+    m = directions(real, TANGENT[::STRIDE])
+    pairs = [(rounded(a, real), rounded(a * r, real)) for r in RATIOS for a in ALPHA[::STRIDE] if a * r > 0.99 * ALPHA[0]]
     return np.array([digits(Ward(*pair).D(m), [_ward_D(pair, one) for one in m], real) for pair in pairs])
 
 
@@ -186,22 +190,22 @@ def _amplitudes(c: float, eta: float, k: float) -> mpmath.mpf:
 
 def _reflected(real: type, absorptions: Array) -> Array:
     cosines: Array = COSINES.astype(real)
-    found = []
+    correct = []
     for eta in (rounded(eta, real) for eta in INDICES if eta != 1):
         for k in (rounded(k, real) for k in absorptions):
             exact = [_amplitudes(float(c), eta, k) for c in cosines]
-            found.append(digits((Conductor(eta, k) if k else Dielectric(eta)).F(cosines), exact, real))
-    return np.array(found)
+            correct.append(digits((Conductor(eta, k) if k else Dielectric(eta)).F(cosines), exact, real))
+    return np.array(correct)
 
 
 def _approximated(real: type) -> Array:
     cosines: Array = COSINES.astype(real)
-    found = []
+    correct = []
     for F0 in (rounded(F0, real) for F0 in np.logspace(-8, 0, 9)):
         with mpmath.workdps(DIGITS):
             exact = [F0 + (1 - mpmath.mpf(F0)) * (1 - mpmath.mpf(float(c))) ** 5 for c in cosines]
-        found.append(digits(Schlick(F0).F(cosines), exact, real))
-    return np.array(found)
+        correct.append(digits(Schlick(F0).F(cosines), exact, real))
+    return np.array(correct)
 
 
 def exact_matt(ndf: Distribution, wi: Array) -> mpmath.mpf:
@@ -210,17 +214,17 @@ def exact_matt(ndf: Distribution, wi: Array) -> mpmath.mpf:
         (alpha, _), up = map(mpmath.mpf, ndf.parameters), mpmath.pi
         steep = alpha * mpmath.hypot(*map(float, wi[:2])) / float(wi[2])
 
-        def lit(r: mpmath.mpf) -> mpmath.mpf:
+        def illuminated_azimuths(r: mpmath.mpf) -> mpmath.mpf:
             s = steep * r
             return 2 * up if s <= 1 else 2 * (up - mpmath.acos(1 / s) + mpmath.sqrt(s * s - 1))
 
         def part(t: mpmath.mpf) -> mpmath.mpf:
             r = mpmath.exp(t)
-            return r * r * lit(r) / (up * (1 + r * r) ** 2 * mpmath.sqrt(1 + (alpha * r) ** 2))
+            return r * r * illuminated_azimuths(r) / (up * (1 + r * r) ** 2 * mpmath.sqrt(1 + (alpha * r) ** 2))
 
         ends = sorted({*map(mpmath.mpf, (-40, -10, 0, 10, 40, 75)), -mpmath.log(steep)})
-        whole = mpmath.quad(part, [end for end in ends if -40 <= end <= 75])
-        return whole * exact_G1(ndf, wi) / mpmath.pi
+        integral = mpmath.quad(part, [end for end in ends if -40 <= end <= 75])
+        return integral * exact_G1(ndf, wi) / mpmath.pi
 
 
 def _matt(real: type) -> Array:
@@ -233,7 +237,7 @@ def _matt(real: type) -> Array:
 
 FURTHER: dict[str, Callable[[type], Array]] = {
     "`NormalizedBlinnPhong.D`": _power_normals,
-    "`NormalizedBlinnPhong.sample`": _power_drawn,
+    "`NormalizedBlinnPhong.sample`": _power_sampled,
     "`evaluate` of it under `VCavity`": _power_lobes,
     "`Ward.D`": _ward_normals,
     "`Dielectric.F`": lambda real: _reflected(real, np.zeros(1)),
@@ -249,12 +253,12 @@ def further_digits() -> dict[str, list[float]]:
 
 
 def table() -> str:
-    """The digits that may be trusted, two tables in Markdown: whole digits, rounded down, at the worst point of the domain."""
+    """The fewest correct digits, two tables in Markdown: whole digits, rounded down, at the worst point of the domain."""
     names = [f"{kind.__name__}, {precision}" for kind in stated_families() for precision in ("double", "single")]
-    return "\n\n".join([_table(names, digits_to_trust()), _table(["double", "single"], further_digits())])
+    return "\n\n".join([_table(names, digits_by_part()), _table(["double", "single"], further_digits())])
 
 
 def _table(names: list[str], rows: dict[str, list[float]]) -> str:
     lines = [["right digits, at least", *names], [":--", *["--:"] * len(names)]]
-    lines += [[name, *("–" if np.isnan(found) else str(int(found)) for found in row)] for name, row in rows.items()]
+    lines += [[name, *("–" if np.isnan(correct) else str(int(correct)) for correct in row)] for name, row in rows.items()]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
