@@ -1,0 +1,1 @@
+"""What the small project needs beside its library."""
