@@ -12,7 +12,7 @@ from matplotlib.colors import to_hex
 from matplotlib.patches import FancyArrowPatch, Polygon
 from report import plotting
 
-SCRIPT = str(Path(__file__).parents[1] / "figures" / "visibility" / "masking.py")
+SCRIPT = str(Path(__file__).parents[2] / "figures" / "visibility" / "masking.py")
 
 
 @pytest.fixture

@@ -31,10 +31,10 @@ def test_samples_of_another_surface_are_caught_along_the_axes(method: str, polar
     drawn = getattr(faulty, method)
     assert (SCRIPT["ring_odds"](drawn(ndf, UP, u)) < 1e-3) is polar
     density = mf.Smith(ndf).D_visible
-    assert SCRIPT["agreement"](drawn(ndf, wo, u), lambda m: density(wo, m), wo, ndf.slope_scale) < 1e-6
+    assert SCRIPT["p_value"](drawn(ndf, wo, u), lambda m: density(wo, m), wo, ndf.slope_scale) < 1e-6
     right = mf.Smith(ndf).sample_visible
     assert SCRIPT["ring_odds"](right(UP, u)) > 1e-3
-    assert SCRIPT["agreement"](right(wo, u), lambda m: density(wo, m), wo, ndf.slope_scale) > 1e-3
+    assert SCRIPT["p_value"](right(wo, u), lambda m: density(wo, m), wo, ndf.slope_scale) > 1e-3
 
 
 def test_no_light_comes_through_the_surface() -> None:

@@ -7,14 +7,16 @@ from typing import Any
 import mpmath
 import numpy as np
 import sympy as sp
+from microfacet.notation import P2
 from microfacet.statement import Equation, expand_abbreviations
 
 SAME = 1e-10  # relative
 
 
 def stands_for_integrals(equation: Equation) -> bool:
-    """Whether the definition has integrals over one variable; those over the plane of slopes are tests/geometry's."""
-    if equation.means is None or equation.equals is None:
+    """Whether the definition has integrals over one variable of functions that are known; those over the plane of slopes are
+    tests/geometry's, those of any distribution of slopes tests/visibility's."""
+    if equation.means is None or equation.equals is None or sp.sympify(equation.means).subs(equation.where).has(P2):
         return False
     return max((len(i.limits) for i in sp.sympify(equation.means).atoms(sp.Integral)), default=0) == 1
 
