@@ -38,7 +38,7 @@ with sp.evaluate(False):
         means=x * (1 / G1_view - 1),
         equals=sp.Integral((q - x) * P2(q), (q, x, sp.oo)),
         proof=lambda it: _hidden_steps(it),
-        proved_by="sympy: Smith's G1, which conserves projected area, and its Lambda put in",
+        proved_by="sympy: Smith's G1 and Lambda put in, for slopes exp(-q^2/s) of any width and so for their mixtures",
         slides=(39, 40, 58),
         cite="heitz2014",
         note="x is cot theta_o.",
@@ -62,8 +62,8 @@ with sp.evaluate(False):
         means=1 - 2 * sp.Integral(P2(q), (q, 0, sp.oo)),
         equals=1 + 2 * f_prime,
         where={f_prime: -sp.Integral(P2(q), (q, 0, sp.oo))},
-        proof=lambda it: [sp.diff(hidden_slopes.equals, x).subs(x, 0) - it.where[f_prime], *_level_steps(it)],
-        proved_by="sympy: f differentiated at 0; slopes are as many on either side, and with what is level they are all",
+        proof=lambda it: _level_steps(it),
+        proved_by="sympy: f differentiated at 0, for slopes exp(-q^2/s) of any width and so for their mixtures",
         slides=(39, 40, 58),
         cite="heitz2014",
         note="So f'(0+) is at least -1/2.",
@@ -81,28 +81,34 @@ with sp.evaluate(False):
     )
 
 
+def _gaussian(form: Any) -> sp.Expr:
+    """The form for slopes exp(-q^2/s): what is linear in the density and true for these is true for their mixtures."""
+    return sp.sympify(form).subs(P2(q), sp.exp(-(q**2) / s)).doit()
+
+
 def _hidden_steps(it: Equation) -> list[Any]:
-    """x (1/G1 - 1) = x Lambda."""
-    Lambda = smith.Lambda.equals.doit().subs(sp.cot(theta_o), x)
-    G1 = 1 / (1 + Lambda_o)
-    return [it.means.doit().subs(G1_view, G1) - x * Lambda_o, x * Lambda - it.equals.doit()]
+    """x (1/G1 - 1) = x Lambda, and that is the integral."""
+    Lambda = smith.Lambda.equals.subs(sp.cot(theta_o), x)
+    return [it.means.doit().subs(G1_view, 1 / (1 + Lambda_o)) - x * Lambda_o, x * _gaussian(Lambda) - _gaussian(it.equals)]
 
 
 def _level_steps(it: Equation) -> list[Any]:
-    return [it.means.doit() - it.equals.doit().subs(it.where)]
+    """f differentiated at 0 is the integral that it stands for; both forms with it."""
+    steepest = _gaussian(it.where[f_prime])
+    at_0 = sp.limit(sp.diff(_gaussian(hidden_slopes.equals), x), x, 0, "+")
+    return [at_0 - steepest, _gaussian(it.means) - it.equals.subs(f_prime, steepest).doit()]
 
 
 def _plane_steps(it: Equation) -> list[Any]:
-    """Along a line at distance q slopes exp(-r^2/s) have the density sqrt(pi s) exp(-q^2/s); back by q = sqrt(r^2 + t^2)."""
-    t = sp.Symbol("t", real=True)
+    """Along a line at distance q slopes exp(-r^2/s) have the density sqrt(pi s) exp(-q^2/s); back by q = sqrt(r^2 + w^2)."""
+    t, w = sp.Symbol("t", real=True), sp.Symbol("w", positive=True)
     along = sp.integrate(sp.exp(-(q**2 + t**2) / s), (t, -sp.oo, sp.oo))
     (whole,) = it.equals.atoms(sp.Integral)
     inside = whole.function.subs(P2(q), along).doit()
-    distance = sp.sqrt(r**2 + sp.Symbol("w", positive=True) ** 2)
-    w = sp.Symbol("w", positive=True)
-    turned = sp.simplify(inside.subs(q, distance) * sp.diff(distance, w))
-    back = -sp.integrate(turned, (w, 0, sp.oo)) / sp.pi
-    return [sp.simplify(back - sp.exp(-(r**2) / s))]
+    distance = sp.sqrt(r**2 + w**2)
+    back = sp.integrate(sp.simplify(inside.subs(q, distance) * sp.diff(distance, w)), (w, 0, sp.oo))
+    undone = sp.Integer(1 if back.has(sp.Integral) else 0)
+    return [undone, sp.simplify(it.equals.xreplace({whole: back}).doit() - sp.exp(-(r**2) / s))]
 
 
 # --- the functions of the talk, for all distributions at once -----------------------------------------------------------
