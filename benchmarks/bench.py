@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from microfacet.processors import threads
+from microfacet.compiler.processors import threads
 from report.datafile import put, refuse
 
 from benchmarks import record, rivals, yardsticks

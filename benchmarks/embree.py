@@ -7,7 +7,7 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 import numpy as np
-from microfacet.processors import threads
+from microfacet.compiler.processors import threads
 
 from benchmarks import rivals_rays
 

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from microfacet import processors
+from microfacet.compiler import processors
+from microfacet.compiler.batch import Batch
 from microfacet.directions import spherical
-from microfacet.kernels import Batch
 
 ALPHA = (0.3, 0.5)
 LONG = np.longdouble

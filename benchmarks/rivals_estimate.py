@@ -16,10 +16,11 @@ from typing import Any
 import microfacet as mf
 import numpy as np
 from microfacet.arithmetic import cosine_and_sine
+from microfacet.compiler.batch import Batch
+from microfacet.compiler.kernels import Pair, Vector
 from microfacet.directions import spherical
 from microfacet.geometry.slopes import Distribution
 from microfacet.geometry.visible_normals import unstretched
-from microfacet.kernels import Batch, Pair, Vector
 from microfacet.visibility.masking import ModelParameters, dot
 
 from benchmarks.method import ALPHA, Method, directions, uniform

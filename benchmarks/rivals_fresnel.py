@@ -7,7 +7,7 @@ from typing import Any
 
 import microfacet as mf
 import numpy as np
-from microfacet.kernels import Batch
+from microfacet.compiler.batch import Batch
 
 from benchmarks.method import LONG, Method, worst
 

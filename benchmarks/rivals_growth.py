@@ -8,8 +8,8 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from microfacet import balls
 from microfacet.directions import spherical
+from microfacet.statements import balls
 from microfacet.surface import gaussian, trace
 from microfacet.surface.gaussian import GaussianField
 from microfacet.surface.trace import HeightField

@@ -9,8 +9,8 @@ from typing import Any
 import microfacet as mf
 import mpmath
 import numpy as np
-from microfacet import balls
 from microfacet.directions import spherical
+from microfacet.statements import ball_functions, balls
 from microfacet.validation import adaptive, equations
 from microfacet.validation.adaptive import seen_area
 from microfacet.validation.equations import residual
@@ -133,7 +133,7 @@ def enclosed(digits: int) -> Any:
         root = balls.pi().sqrt()
         tail = balls.ball(COS) * reach.erfc() / 2 + along * (-reach * reach).exp() / (2 * root)
         edge = (balls.ball(COS) / along).min(reach)
-        seen = balls.integral(lambda w, _: (COS - along * w) * (-w * w).exp() / root, -reach, edge, digits)
+        seen = ball_functions.integral(lambda w, _: (COS - along * w) * (-w * w).exp() / root, -reach, edge, digits)
         return seen + tail.union(-tail)
 
 

@@ -12,7 +12,8 @@ from math import exp, sqrt
 from typing import Any
 
 import numpy as np
-from microfacet.kernels import Batch, Pair, Vector
+from microfacet.compiler.batch import Batch
+from microfacet.compiler.kernels import Pair, Vector
 from microfacet.visibility.masking import ModelParameters
 
 from benchmarks.method import Method, uniform

@@ -7,8 +7,8 @@ from typing import Any
 
 import microfacet as mf
 import numpy as np
+from microfacet.compiler.batch import Batch
 from microfacet.directions import spherical
-from microfacet.kernels import Batch
 from scipy import special
 
 from benchmarks.method import ALPHA, LONG, Method, directions, uniform

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from microfacet.processors import threads
+from microfacet.compiler.processors import threads
 
 from benchmarks.method import ALPHA, directions, uniform, worst
 from benchmarks.rivals_brdf import brdf_numpy, brdf_separable

@@ -9,9 +9,9 @@ import microfacet as mf
 import mpmath
 import numpy as np
 import pytest
-from microfacet import balls, checks
-from microfacet.checks import CheckResult
-from microfacet.notation import Direction
+from microfacet.statements import balls, checks, enclosures
+from microfacet.statements.checks import CheckResult
+from microfacet.statements.notation import Direction
 
 WITH_DIRECTIONS = [key for key in mf.equations if any(isinstance(a, Direction) for a in mf.equations[key].over)]
 HORIZON = 1e-6 * math.pi / 180
@@ -115,8 +115,8 @@ def test_the_worst_error_is_told_with_its_place() -> None:
 # --- marks ------------------------------------------------------------------------------------------------------------------
 
 
-def enclosure(low: float, high: float, where: str) -> balls.Enclosure:
-    return balls.Enclosure(where, balls.between(low, high))
+def enclosure(low: float, high: float, where: str) -> enclosures.Enclosure:
+    return enclosures.Enclosure(where, balls.between(low, high))
 
 
 def test_enclosures_are_told_by_the_widest() -> None:
@@ -148,7 +148,7 @@ def test_a_mark_fails_alone(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_domains_are_told_to_people() -> None:
-    equation = mf.equations["visibility.ggx.Lambda"]
+    equation = mf.equations["geometry.ggx.Lambda"]
     ((argument, (low, high)),) = equation.over.items()
     assert checks._domain(equation) == f"{argument} in [{low}, {high}]"
     with_direction = checks._domain(mf.equations["geometry.ggx.D"])
@@ -159,5 +159,5 @@ def test_fifty_digits_stand_behind_three_hundred_arguments() -> None:
     """Forms agree to 30 digits: more than either precision can tell, less than the 50 that are computed."""
     assert 2 * 16 - 2 <= checks.AGREE < 50
     assert checks.POINTS == 300
-    for key in ("visibility.ggx.Lambda", "geometry.ggx.D"):
+    for key in ("geometry.ggx.Lambda", "geometry.ggx.D"):
         assert len(checks.sample(mf.equations[key], np.float64)) == checks.POINTS

@@ -17,7 +17,7 @@ from urllib.parse import unquote, urlsplit
 import microfacet as mf
 import pytest
 from microfacet.__main__ import main
-from microfacet.statement import Equation
+from microfacet.statements.statement import Equation
 from numpydoc.validate import validate
 
 ROOT = Path(__file__).resolve().parents[1]

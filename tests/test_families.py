@@ -31,7 +31,7 @@ from microfacet.families import families
 from microfacet.enough.candidates import candidates_for, maskings
 from microfacet.enough.scene import Scene, normals_by_name
 from microfacet.material.fresnel import Fresnel
-from microfacet.statement import Equation
+from microfacet.statements.statement import Equation
 from microfacet.validation import accuracy_table
 from report import quantifiers, tables
 import sympy
@@ -116,9 +116,18 @@ def test_a_statement_of_a_new_stage_comes_last(lists: dict[str, Any]) -> None:
 
 
 def test_a_statement_where_none_is_looked_for_is_refused() -> None:
-    code = "from microfacet.statement import Equation\nEquation(key='enough.a.b', title='', symbol=None, equals=1)"
+    code = "from microfacet.statements.statement import Equation\nEquation(key='enough.a.b', title='', symbol=None, equals=1)"
     with pytest.raises(ValueError, match=r"equation enough\.a\.b stands in enough/, where none is looked for, but in geometry"):
         exec(code, {"__name__": "microfacet.enough.more"})
+
+
+def test_a_key_names_the_folder_that_its_statement_stands_in() -> None:
+    for key, equation in mf.equations.items():
+        library, folder = equation.stated_at.split(".")[:2]
+        assert library != "microfacet" or key.startswith(f"{folder}."), key
+    code = "from microfacet.statements.statement import Equation\nEquation(key='brdf.a.b', title='', symbol=None, equals=1)"
+    with pytest.raises(ValueError, match=r"equation brdf\.a\.b stands in material/: its key must begin with material\."):
+        exec(code, {"__name__": "microfacet.material.more"})
 
 
 def test_the_library_has_its_families_in_every_list() -> None:

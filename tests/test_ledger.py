@@ -12,11 +12,12 @@ import mpmath
 import numpy as np
 import pytest
 from integrals import integral_differs, stands_for_integrals
-from microfacet import checks
 from microfacet.__main__ import main
 from microfacet.files import keep, recall
-from microfacet.notation import Direction
-from microfacet.statement import STAGES, Equation
+from microfacet.statements import checks
+from microfacet.statements.notation import Direction
+from microfacet.statements.registry import STAGES
+from microfacet.statements.statement import Equation
 
 ROOT = Path(__file__).parent.parent
 LIBRARY = ROOT / "lib" / "microfacet"

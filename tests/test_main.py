@@ -89,7 +89,7 @@ def test_all_that_is_told_can_be_told_in_ascii() -> None:
 
 
 def test_without_a_compiler_there_is_a_sentence(tmp_path: Path) -> None:
-    done = command("check", "visibility.ggx.Lambda", NUMBA_DISABLE_JIT="1", MICROFACET_CACHE=str(tmp_path))
+    done = command("check", "geometry.ggx.Lambda", NUMBA_DISABLE_JIT="1", MICROFACET_CACHE=str(tmp_path))
     assert done.stderr == "NUMBA_DISABLE_JIT is set, and microfacet's kernels have to be compiled: unset it\n"
     assert done.returncode == 2
 
@@ -99,7 +99,7 @@ def test_what_is_left_out_without_python_flint_is_told(
 ) -> None:
     enclosed = next(key for key in mf.equations if mf.equations[key].enclosed)
     other = next(key for key in mf.equations if not mf.equations[key].enclosed)
-    monkeypatch.setattr("microfacet.balls.available", lambda: False)
+    monkeypatch.setattr("microfacet.statements.balls.available", lambda: False)
     monkeypatch.setattr("microfacet.__main__._record", lambda equation, kept: {"verdict": "pass", "message": "m", "marks": {}})
     assert main(["check", enclosed]) == 0
     assert capsys.readouterr().err == "python-flint is not installed: what 1 statements enclose was not checked.\n"

@@ -120,10 +120,11 @@ def digest_of_library() -> str:
 def ask_library() -> dict[str, dict[str, Any]]:
     try:
         import microfacet as mf
+        from microfacet.statements.fingerprints import fingerprints
 
         for path in sorted(closure.whole_package()):
             closure.tree_of(path)
-        prints = mf.equations.fingerprints()
+        prints = fingerprints()
         return {key: facts(mf.equations[key], prints[key]) for key in mf.equations}
     except Exception as error:
         fault(f"The library in lib/ cannot state its equations: {said(error)}")

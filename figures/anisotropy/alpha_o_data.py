@@ -3,11 +3,11 @@
 import sys
 
 import numpy as np
+from microfacet.compiler.batch import Batch
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
 from microfacet.geometry.roughness import SlopeScale
-from microfacet.kernels import Batch
 from microfacet.visibility.masking import ModelParameters
 from microfacet.visibility.smith import Smith, alpha_o, quadrature_Lambda
 from report.datafile import rounded, store

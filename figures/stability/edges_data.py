@@ -8,7 +8,7 @@ from faulty import distances, ggx_D_cosine, rho_floored, rho_squares_first
 from microfacet.brdf.specular import Microfacet
 from microfacet.directions import spherical
 from microfacet.geometry.ggx import GGX
-from microfacet.statement import DIGITS
+from microfacet.statements.reference import DIGITS
 from microfacet.surface.trace import ESCAPED, HeightField
 from microfacet.validation.accuracy import digits, exact_D, exact_Lambda
 from microfacet.validation.accuracy import rounded as as_seen

@@ -4,7 +4,7 @@ import microfacet as mf
 model = mf.Smith(mf.GGX(0.3, 0.1))
 mf.Microfacet(model).evaluate(wo, wi)
 mf.validate(model)
-mf.equations["visibility.ggx.Lambda"].latex
+mf.equations["geometry.ggx.Lambda"].latex
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ PUBLIC = {
     "Ward": "geometry.ward",
     "alpha_from_roughness": "geometry.roughness",
     "choose": "enough.choice",
-    "equations": "statement",
+    "equations": "statements.statement",
     "half_vector": "directions",
     "reflect": "directions",
     "seen_area": "validation.adaptive",

@@ -23,7 +23,7 @@ from microfacet.material.fresnel import Dielectric as Dielectric
 from microfacet.material.fresnel import F82Tint as F82Tint
 from microfacet.material.fresnel import Fresnel as Fresnel
 from microfacet.material.fresnel import Schlick as Schlick
-from microfacet.statement import equations as equations
+from microfacet.statements.statement import equations as equations
 from microfacet.validation.adaptive import seen_area as seen_area
 from microfacet.validation.equations import validate as validate
 from microfacet.visibility.masking import Masking as Masking

@@ -23,7 +23,7 @@ from microfacet import __version__
 from microfacet.files import keep, recall, writable, write
 
 if TYPE_CHECKING:
-    from microfacet.statement import Equation
+    from microfacet.statements.statement import Equation
 
 
 def parser() -> argparse.ArgumentParser:
@@ -195,7 +195,7 @@ def _in_ascii(character: str) -> str:
 def _statements(chosen: argparse.Namespace) -> int:
     if chosen.command == "check":
         return _check(chosen)
-    from microfacet.statement import equations
+    from microfacet.statements.statement import equations
 
     if chosen.command == "trust":
         from microfacet.validation.accuracy_table import table
@@ -212,7 +212,7 @@ def _check(chosen: argparse.Namespace) -> int:
         writable(chosen.out)
     if chosen.kept is not None:
         writable(Path(chosen.kept) / "kept.json")
-    from microfacet.statement import equations
+    from microfacet.statements.statement import equations
 
     try:
         asked = [equations[key] for key in chosen.keys or equations]
@@ -227,7 +227,7 @@ def _check(chosen: argparse.Namespace) -> int:
 
 
 def _warn_of_what_is_left_out(asked: Sequence[Equation]) -> None:
-    from microfacet.balls import available
+    from microfacet.statements.balls import available
 
     count = sum(bool(equation.enclosed) for equation in asked)
     if count and not available():
@@ -238,7 +238,9 @@ def _record(equation: Equation, kept: str | None) -> dict[str, Any]:
     """What the checks find; a kept record of the very same statement says it already, unless it was altered."""
     if kept is None:
         return equation.check().as_json()
-    path = Path(kept) / f"{equation.key}-{equation.fingerprint}.json"
+    from microfacet.statements.fingerprints import fingerprint
+
+    path = Path(kept) / f"{equation.key}-{fingerprint(equation)}.json"
     record = recall(path)
     if record is None or record["key"] != equation.key:
         record = equation.check().as_json()

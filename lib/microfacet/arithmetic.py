@@ -1,6 +1,6 @@
 """Arithmetic that keeps the digits a plain formula loses: error-free sums and products, and exponentials of squares.
 
-Kernels of plain floats (see microfacet.kernels). Source: dekker1971.
+Kernels of plain floats (see microfacet.compiler.kernels). Source: dekker1971.
 """
 
 from collections.abc import Callable
@@ -8,7 +8,7 @@ from math import exp
 
 import numpy as np
 
-from microfacet.kernels import ByPrecision
+from microfacet.compiler.kernels import ByPrecision
 
 SPLIT = ByPrecision(double=134217729.0, single=4097.0)  # 2^27 + 1, 2^12 + 1: halves a significand
 UNDERFLOWS = 64.0  # exp(-64^2) is 0 in double as in single precision

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import Any, TypeVar
 
 from microfacet.model import Model, labelled, signature
-from microfacet.statement import load
+from microfacet.statements.registry import load
 
 Kind = TypeVar("Kind", bound=Model)
 

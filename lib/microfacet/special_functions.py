@@ -1,14 +1,15 @@
 """Exponential, logarithm and error function that a compiler can vectorize.
 
 No branch, no call, short chains of dependence; each within a stated range and to a stated error. Kernels of plain floats
-(see microfacet.kernels). Source: schonfelder1978 for the error function.
+(see microfacet.compiler.kernels). Source: schonfelder1978 for the error function.
 """
 
 from math import factorial, frexp
 
 import numpy as np
 
-from microfacet.kernels import LN2_HIGH, LN2_LOW, PER_LN2, ROUNDER, ByPrecision, power_of_two
+from microfacet.compiler.exponential import LN2_HIGH, LN2_LOW, PER_LN2, ROUNDER, power_of_two
+from microfacet.compiler.kernels import ByPrecision
 
 FINE = ByPrecision(double=1.0, single=0.0)  # known when a kernel is compiled: what depends on it costs nothing
 LN2 = 0.6931471805599453

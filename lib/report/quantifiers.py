@@ -9,8 +9,8 @@ from typing import Any
 
 import sympy as sp
 from microfacet.geometry import beckmann, blinn_phong, ggx
-from microfacet.notation import alpha, mu_o, n
-from microfacet.statement import Equation
+from microfacet.statements.notation import alpha, mu_o, n
+from microfacet.statements.statement import Equation
 from microfacet.validation.enclosure import (
     BOX,
     GRAZING_ANGLES,

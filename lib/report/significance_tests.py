@@ -17,14 +17,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from microfacet.brdf.specular import Microfacet
-from microfacet.checks import CheckResult
 from microfacet.confidence import Estimate
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.blinn_phong import NormalizedBlinnPhong
 from microfacet.geometry.ggx import GGX
 from microfacet.geometry.slopes import Distribution
-from microfacet.statement import equations
+from microfacet.statements.checks import CheckResult
+from microfacet.statements.statement import equations
 from microfacet.surface.compare import normals_of
 from microfacet.surface.gaussian import GaussianField
 from microfacet.surface.measure import estimate
@@ -194,13 +194,13 @@ SAMPLED = f"{SAMPLES} samples each, chi-square"
 TESTS: Mapping[str, tuple[str, Callable[[], list[SignificanceTest]]]] = {
     "visibility.masking.projected_area": (SURFACES, lambda: over_views("seen", cosine)),
     "visibility.smith.seen": (SURFACES, lambda: over_views("faced", front_facing_area)),
-    "visibility.beckmann.Lambda": (SURFACES, lambda: over_views("faced", front_facing_area)),
+    "geometry.beckmann.Lambda": (SURFACES, lambda: over_views("faced", front_facing_area)),
     "geometry.beckmann.P22": (SURFACES, slopes_visible_from_above),
     "geometry.beckmann.D": (SAMPLED, lambda: sampled_by_area(Beckmann(0.4), Beckmann(0.2, 0.5))),
     "geometry.ggx.D": (SAMPLED, lambda: sampled_by_area(GGX(0.4), GGX(0.5, 0.2))),
     "geometry.normalized_blinn_phong.D": (SAMPLED, lambda: sampled_by_area(NormalizedBlinnPhong(8.0))),
     "visibility.masking.D_visible": (SAMPLED, lambda: sampled_by_view(Beckmann(0.4), GGX(0.4))),
-    "anisotropy.visible_normals": (SAMPLED, lambda: sampled_by_view(Beckmann(0.2, 0.5), GGX(0.5, 0.2))),
+    "visibility.stretching.visible_normals": (SAMPLED, lambda: sampled_by_view(Beckmann(0.2, 0.5), GGX(0.5, 0.2))),
     "brdf.specular.weight": (f"{SAMPLES} samples each", _weights),
     "brdf.specular.anchor": (f"{SAMPLES} samples each", lambda: mean_weights(GGX(1.0), albedo=exact_albedo)),
 }

@@ -18,8 +18,8 @@ from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
 from microfacet.geometry.slopes import Distribution, alpha_of
 from microfacet.model import signature
-from microfacet.notation import alpha, n
-from microfacet.statement import Equation
+from microfacet.statements.notation import alpha, n
+from microfacet.statements.statement import Equation
 from microfacet.validation.equations import AZIMUTH_COUNT, INTEGRALS, PAIRS, THETA, TOLERANCE
 from microfacet.visibility import unphysical
 from microfacet.visibility.masking import Masking

@@ -11,7 +11,8 @@ from math import ceil, log10
 
 import numpy as np
 import sympy as sp
-from microfacet.statement import Equation, reference
+from microfacet.statements.reference import reference
+from microfacet.statements.statement import Equation
 from microfacet.validation.equations import THETA, TOLERANCE, Verdict, decide, default_views, residual, validate
 from microfacet.visibility.masking import Masking
 

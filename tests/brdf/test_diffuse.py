@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from around import whole_hemisphere
 from matt import by_lines
-from microfacet import checks
 from microfacet.brdf import diffuse
 from microfacet.directions import spherical
+from microfacet.statements import checks
 from samples import UP, hemisphere, views
 
 SMITH, CAVITIES = mf.Smith(mf.Beckmann(0.5)), mf.VCavity(mf.GGX(0.5, 0.2))

@@ -13,10 +13,10 @@ import mpmath
 import numpy as np
 import pytest
 from microfacet.brdf.random_walk import LONGEST, STRIDE, Bounces
+from microfacet.compiler.batch import Batch
 from microfacet.directions import spherical
 from microfacet.geometry.facets import TRIES, gaussian_excess, gaussian_seen, ggx_facet
 from microfacet.geometry.roughness import Alphas
-from microfacet.kernels import Batch
 from microfacet.material.fresnel import Fresnel
 from microfacet.streams import GOLDEN, WORD, _mixed, drawn, stream
 from samples import UP, hemisphere, uniform, views

@@ -10,9 +10,9 @@ import references
 from around import whole_hemisphere
 from hypothesis import given
 from hypothesis import strategies as st
-from microfacet import notation
 from microfacet.directions import spherical
 from microfacet.families import key_of
+from microfacet.statements import notation
 from samples import ANISOTROPIC, FAMILIES, NORMALISED, POWERS, STRETCHED, hemisphere
 from scipy import integrate
 

@@ -7,8 +7,9 @@ from itertools import product
 import mpmath
 import numpy as np
 import pytest
+from microfacet.compiler.batch import Batch
+from microfacet.compiler.kernels import packed
 from microfacet.geometry.visible_slopes import LEAST, NOTHING, gaussian_slope, guess, visible_gaussian_slope
-from microfacet.kernels import Batch, packed
 from microfacet.special_functions import exponential_within, logarithm_about, scaled_erfc
 from samples import LAST, LAST_SINGLE
 

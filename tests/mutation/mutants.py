@@ -15,8 +15,8 @@ from types import FunctionType
 from typing import Any
 
 import sympy as sp
-from microfacet.kernels import source
-from microfacet.notation import alpha_x, alpha_y, mu_i, mu_o, wi, wm, wo, x, y
+from microfacet.compiler.kernels import source
+from microfacet.statements.notation import alpha_x, alpha_y, mu_i, mu_o, wi, wm, wo, x, y
 
 SLIGHTLY = sp.Rational(1000001, 1000000)
 

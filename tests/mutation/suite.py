@@ -26,11 +26,13 @@ import numpy as np
 import scene
 import sympy as sp
 from integrals import integral_differs, stands_for_integrals
-from microfacet import arithmetic, balls, checks, statement
-from microfacet.balls import NoBall
+from microfacet import arithmetic
 from microfacet.geometry.ggx import inverse_square
 from microfacet.material import fresnel
-from microfacet.statement import Equation, equations
+from microfacet.statements import ball_functions, balls, checks, enclosures
+from microfacet.statements.balls import NoBall
+from microfacet.statements.registry import registry
+from microfacet.statements.statement import Equation, equations
 from mutants import called, of_expression, of_kernel, rebound
 
 PARTS = ("means", "equals", "computed_as")
@@ -53,22 +55,19 @@ class Outcome:
 @contextmanager
 def broken(key: str, **changes: Any) -> Iterator[Equation]:
     """A statement with some of its parts changed, in its own place in the ledger."""
-    registry, abbreviations = statement._registry, statement._abbreviations
-    statement._registry = {k: e for k, e in registry.items() if k != key}
-    statement._abbreviations = dict(abbreviations)
-    at, balls.at = balls.at, one_at_a_time
+    at, enclosures.at = enclosures.at, one_at_a_time
     try:
-        yield replace(ORIGINAL[key], **changes)
+        with registry.without(key):
+            yield replace(ORIGINAL[key], **changes)
     finally:
-        statement._registry, statement._abbreviations = registry, abbreviations
-        balls.at = at
+        enclosures.at = at
 
 
-def one_at_a_time(residual: Callable[..., Any], points: Sequence[Mapping[str, Any]]) -> Iterator[balls.Enclosure]:
+def one_at_a_time(residual: Callable[..., Any], points: Sequence[Mapping[str, Any]]) -> Iterator[enclosures.Enclosure]:
     """balls.at for who may stop at the first ball that is off."""
     for point in points:
-        with balls.precision(balls.ENCLOSING):
-            found = balls.Enclosure(balls.named(point), residual(**{k: balls.ball(v) for k, v in point.items()}))
+        with balls.precision(enclosures.ENCLOSING):
+            found = enclosures.Enclosure(enclosures.named(point), residual(**{k: balls.ball(v) for k, v in point.items()}))
         yield found
 
 
@@ -92,12 +91,12 @@ def coarsely(it: Equation) -> bool:
     """The enclosed mark, seen in coarse balls already: if they exclude 0, they do so rightly."""
     if not callable(it.enclosed) or it.relation != "=":
         return False
-    fine = balls.ENCLOSING, balls.EVALUATIONS
-    balls.ENCLOSING, balls.EVALUATIONS = 64, 1000
+    fine = enclosures.ENCLOSING, ball_functions.EVALUATIONS
+    enclosures.ENCLOSING, ball_functions.EVALUATIONS = 64, 1000
     try:
         return any(e.residual.is_finite() and not e.residual.contains(0) for e in itertools.islice(it.enclosed(it), 4))
     finally:
-        balls.ENCLOSING, balls.EVALUATIONS = fine
+        enclosures.ENCLOSING, ball_functions.EVALUATIONS = fine
 
 
 def quadrature(it: Equation) -> bool:

@@ -17,7 +17,7 @@ import microfacet as mf
 import numpy as np
 import pytest
 import suite
-from microfacet import checks
+from microfacet.compiler.kernels import Pair, Vector
 from microfacet.directions import spherical
 from microfacet.geometry import ggx, slopes
 from microfacet.geometry.beckmann import beckmann_Lambda
@@ -32,7 +32,7 @@ from microfacet.geometry.visible_slopes import (
     third_order,
     visible_gaussian_slope,
 )
-from microfacet.kernels import Pair, Vector
+from microfacet.statements import checks
 from microfacet.surface.trace import HeightField, Hits
 from microfacet.validation import chi_square
 from microfacet.visibility.masking import ModelParameters
@@ -138,8 +138,8 @@ def beckmann_Lambda_by_difference(a: float) -> float:
 @pytest.mark.parametrize(
     ("key", "kernel", "real"),
     [
-        ("visibility.ggx.Lambda", ggx_Lambda_by_difference, np.float32),
-        ("visibility.beckmann.Lambda", beckmann_Lambda_by_difference, np.float64),
+        ("geometry.ggx.Lambda", ggx_Lambda_by_difference, np.float32),
+        ("geometry.beckmann.Lambda", beckmann_Lambda_by_difference, np.float64),
     ],
 )
 def test_Lambda_as_a_difference(key: str, kernel: Callable[..., float], real: type) -> None:

@@ -32,13 +32,13 @@ sys.setprofile(look)
 
 
 def pytest_sessionstart() -> None:
-    from microfacet import kernels
+    from microfacet.compiler.program import Program
 
-    def add(program: Any, function: Any, added: Any = kernels._Program.add) -> str:
+    def add(program: Any, function: Any, added: Any = Program.add) -> str:
         seen.add(function.__code__)
         return added(program, function)
 
-    kernels._Program.add = add  # type: ignore[method-assign]
+    Program.add = add  # type: ignore[method-assign]
 
 
 def pytest_runtest_logreport(report: Any) -> None:

@@ -1,7 +1,7 @@
 """What is said of the proofs of the two tables is read off the statements that prove it."""
 
 import pytest
-from microfacet.statement import equations
+from microfacet.statements.statement import equations
 from microfacet.validation import enclosure
 from report.quantifiers import quantifiers
 from report.tables import table_of_distributions, table_of_masking

@@ -7,8 +7,9 @@ from typing import Any
 import mpmath
 import numpy as np
 import sympy as sp
-from microfacet.notation import P2
-from microfacet.statement import Equation, expand_abbreviations
+from microfacet.statements.notation import P2
+from microfacet.statements.registry import registry
+from microfacet.statements.statement import Equation
 
 SAME = 1e-10  # relative
 
@@ -23,7 +24,7 @@ def stands_for_integrals(equation: Equation) -> bool:
 
 def integral_differs(equation: Equation, count: int = 2, digits: int = 20) -> str:
     """A sentence if the definition is not the closed form at some random arguments, else nothing."""
-    means, equals = (expand_abbreviations(form).subs(equation.where) for form in (equation.means, equation.equals))
+    means, equals = (registry.expand(form).subs(equation.where) for form in (equation.means, equation.equals))
     symbols = sorted(means.free_symbols | equals.free_symbols, key=str)
     random = np.random.default_rng(7)
     for _ in range(count):

@@ -16,7 +16,7 @@ import numpy as np
 import sympy as sp
 from around import Patch, reflected, turned_away, turned_to, whole_hemisphere
 from microfacet.directions import spherical
-from microfacet.statement import Equation
+from microfacet.statements.statement import Equation
 from microfacet.visibility.masking import visible_norm
 from scipy import integrate, special
 
@@ -309,11 +309,13 @@ LEFT: dict[str, Callable[[], Iterator[Left]]] = {
     "visibility.v_cavity.opening": here(lambda n: n["mu_o"]),
     "visibility.v_cavity.share": here(lambda n: 1 + n["o_dot_opposite"] / n["o_dot_m"]),
     "visibility.v_cavity.G1": everywhere(lambda n: cavity(n["o_vector"], n["m_vector"])),
-    "brdf.v_cavity.G2": everywhere(lambda n: min(cavity(n["o_vector"], n["m_vector"]), cavity(n["i_vector"], n["m_vector"]))),
+    "visibility.v_cavity.G2": everywhere(
+        lambda n: min(cavity(n["o_vector"], n["m_vector"]), cavity(n["i_vector"], n["m_vector"]))
+    ),
     "visibility.implicit.G1": everywhere(lambda n: _facing(n, "o_vector") * (n["o_vector"] @ UP)),
-    "brdf.implicit.G2": here(lambda n: (n["o_vector"] @ UP) * (n["i_vector"] @ UP)),
+    "visibility.implicit.G2": here(lambda n: (n["o_vector"] @ UP) * (n["i_vector"] @ UP)),
     "visibility.kelemen.G1": _at_half(lambda n: (_original_kelemen(n) * n["mu_o"] / n["mu_i"]) ** 0.5),
-    "brdf.kelemen.G2": lambda: _first(_at_half(_original_kelemen)),
+    "visibility.kelemen.G2": lambda: _first(_at_half(_original_kelemen)),
     "visibility.schlick_smith.exact": here(lambda n: None, Lambda_o=(1 / VIEW[2] - 1) / 2),
     "material.fresnel.schlick": here(lambda n: np.interp((1 - n["c"]) ** 5, [0, 1], [n["F_0"], 1])),
     "material.fresnel.normal": here(lambda n: abs((n["eta"] - 1 + 1j * n["kappa"]) / (n["eta"] + 1 + 1j * n["kappa"])) ** 2),
@@ -328,36 +330,36 @@ LEFT: dict[str, Callable[[], Iterator[Left]]] = {
     "material.reflection.weak_furnace": here(
         lambda n: _areas()["furnace"], **{str(visible_norm.symbol): lambda: _areas()["seen"] / VIEW[2]}
     ),
-    "brdf.shadowing.lambda": here(lambda n: 1 - 1 / (1 + 4.41 * n["phi"])),
-    "brdf.shadowing.direction": here(lambda n: _blended(n, BLEND)),
-    "brdf.shadowing.height_direction": here(lambda n: _by_both(n, BLEND)),
-    "brdf.shadowing.smaller": here(lambda n: _blended(n, 0.0)),
-    "brdf.shadowing.same_azimuth": here(lambda n: _blended(n, 0.0)),
-    "brdf.shadowing.far_direction": here(lambda n: _blended(n, 1.0)),
-    "brdf.shadowing.far_height_direction": here(lambda n: _by_both(n, 1.0)),
+    "visibility.shadowing.lambda": here(lambda n: 1 - 1 / (1 + 4.41 * n["phi"])),
+    "visibility.shadowing.direction": here(lambda n: _blended(n, BLEND)),
+    "visibility.shadowing.height_direction": here(lambda n: _by_both(n, BLEND)),
+    "visibility.shadowing.smaller": here(lambda n: _blended(n, 0.0)),
+    "visibility.shadowing.same_azimuth": here(lambda n: _blended(n, 0.0)),
+    "visibility.shadowing.far_direction": here(lambda n: _blended(n, 1.0)),
+    "visibility.shadowing.far_height_direction": here(lambda n: _by_both(n, 1.0)),
     "brdf.specular.rho": here(lambda n: _rho(VIEW, LIGHT), p_light=lambda: _light_density(VIEW, LIGHT)),
     "brdf.specular.weight": here(lambda n: _rho(VIEW, LIGHT) * LIGHT[2] / _light_density(VIEW, LIGHT)),
     "brdf.specular.reciprocity": here(lambda n: _rho(VIEW, LIGHT), rho_io=lambda: _rho(LIGHT, VIEW)),
-    "anisotropy.slope": here(
+    "visibility.stretching.slope": here(
         lambda n: by_steps(lambda s: _height(AX * s, AY * n["y"]), n["x"]),
         slope_by_chain=lambda: by_steps(lambda s: _height(AX * s, AY * names()["y"]), names()["x"]),
         slope_before=lambda: by_steps(lambda s: _height(s, AY * names()["y"]), AX * names()["x"]),
     ),
-    "anisotropy.P22": here(lambda n: P22(n["x"], n["y"], AX, AY)),
-    "anisotropy.facing": here(
+    "visibility.stretching.P22": here(lambda n: P22(n["x"], n["y"], AX, AY)),
+    "visibility.stretching.facing": here(
         lambda n: _facing_over_heights(*_moved(n)),
         facing_before=lambda: _facing_over_heights(VIEW, FACETS["front"]),
         slope_over_sight=lambda: (VIEW[0] * names()["x"] + VIEW[1] * names()["y"]) / VIEW[2],
     ),
-    "anisotropy.a": here(
+    "visibility.stretching.a": here(
         lambda n: 1 / np.tan(n["theta_o"]), **{f"{part}_sight": _moved(names())[0][k] for k, part in enumerate("xyz")}
     ),
-    "anisotropy.v_cavity": here(lambda n: cavity(*_moved(n)), G1_before=lambda: cavity(VIEW, FACETS["front"])),
-    "anisotropy.visible_normals": here(
+    "visibility.stretching.v_cavity": here(lambda n: cavity(*_moved(n)), G1_before=lambda: cavity(VIEW, FACETS["front"])),
+    "visibility.stretching.visible_normals": here(
         lambda n: _seen_per_slopes(*_moved(n), AX, AY) * AX * AY,
         shares_before=lambda: _seen_per_slopes(VIEW, FACETS["front"], 1.0, 1.0),
     ),
-    "anisotropy.sight": here(lambda n: np.tan(np.arctan2(VIEW[2], np.hypot(AX * VIEW[0], AY * VIEW[1])))),
+    "visibility.stretching.sight": here(lambda n: np.tan(np.arctan2(VIEW[2], np.hypot(AX * VIEW[0], AY * VIEW[1])))),
 }
 
 
@@ -409,10 +411,10 @@ def _turned_area(theta: float) -> float:
 
 K, NORMAL, SMOOTH, GRAZING = 0.4 * (2 / np.pi) ** 0.5, 1e-5, 1e-4, 1e-10
 LEFT |= {
-    "brdf.shadowing.height_above_separable": _shadowing(lambda least, blend: least == 0),
-    "brdf.shadowing.height_direction_above_height": _shadowing(lambda least, blend: least == 0 or blend == 1),
-    "brdf.shadowing.height_direction_bound": _shadowing(lambda least, blend: least == 0 or blend == 0),
-    "brdf.shadowing.direction_bound": _shadowing(lambda least, blend: least == 0 or blend == 0),
+    "visibility.shadowing.height_above_separable": _shadowing(lambda least, blend: least == 0),
+    "visibility.shadowing.height_direction_above_height": _shadowing(lambda least, blend: least == 0 or blend == 1),
+    "visibility.shadowing.height_direction_bound": _shadowing(lambda least, blend: least == 0 or blend == 0),
+    "visibility.shadowing.direction_bound": _shadowing(lambda least, blend: least == 0 or blend == 0),
     "brdf.specular.positivity": lambda: bound((_rho(VIEW, LIGHT), False), (0.0, True))(),  # the second of light from below
     "brdf.specular.energy": bound(*((1 - mu * np.log1p(1 / mu), mu == GRAZING) for mu in (0.9, 0.1, GRAZING))),  # GGX, alpha 1
     "validation.table1.ward": lambda: bound((_ward_area(0.5), False), (_ward_area(SMOOTH), True))(),

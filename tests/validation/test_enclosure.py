@@ -6,9 +6,9 @@ import microfacet as mf
 import numpy as np
 import pytest
 import sympy as sp
-from microfacet import balls, checks
 from microfacet.directions import spherical
-from microfacet.statement import equations
+from microfacet.statements import ball_functions, balls, checks, enclosures
+from microfacet.statements.statement import equations
 from microfacet.validation import enclosure
 from microfacet.validation.equations import residual
 
@@ -47,11 +47,11 @@ SMITH = "validation.table2.smith_"
 @pytest.mark.parametrize(
     ("changed", "red"),
     [
-        ("visibility.ggx.Lambda", SMITH + "ggx"),
-        ("visibility.beckmann.Lambda", SMITH + "beckmann"),
-        ("visibility.blinn_phong.Lambda", SMITH + "normalized_blinn_phong"),
-        ("visibility.blinn_phong.H", SMITH + "normalized_blinn_phong"),
-        ("visibility.ggx.Lambda", "visibility.masking.projected_area"),
+        ("geometry.ggx.Lambda", SMITH + "ggx"),
+        ("geometry.beckmann.Lambda", SMITH + "beckmann"),
+        ("geometry.blinn_phong.Lambda", SMITH + "normalized_blinn_phong"),
+        ("geometry.blinn_phong.H", SMITH + "normalized_blinn_phong"),
+        ("geometry.ggx.Lambda", "visibility.masking.projected_area"),
         ("geometry.ggx.P22", "geometry.ggx.projected_area"),
         ("geometry.beckmann.P22", "geometry.beckmann.projected_area"),
         ("geometry.ward.projected_area", "geometry.ward.projected_area"),
@@ -91,17 +91,17 @@ def test_a_box_that_holds_a_solution_is_red():
     def right_at_a_third(x):
         return x - balls.ball(1) / 3
 
-    assert not balls.over(right_at_a_third, x=(0, 1)).supports("<")
-    assert balls.over(right_at_a_third, x=(0.34, 1)).supports(">")
-    assert balls.over(right_at_a_third, x=(0.34, 1)).supports(r"\ne")
+    assert not enclosures.over(right_at_a_third, x=(0, 1)).supports("<")
+    assert enclosures.over(right_at_a_third, x=(0.34, 1)).supports(">")
+    assert enclosures.over(right_at_a_third, x=(0.34, 1)).supports(r"\ne")
 
 
 def test_a_wide_ball_around_0_proves_nothing():
     with balls.precision(64):
-        assert not balls.Enclosure("", balls.between(-1e-20, 1e-20)).supports("=")
-        assert balls.Enclosure("", balls.between(-1e-30, 1e-30)).supports("=")
-        assert not balls.Enclosure("", balls.ball(1) / 0).supports("=")
-        assert not balls.Enclosure("", balls.ball(1e-30)).supports("=")
+        assert not enclosures.Enclosure("", balls.between(-1e-20, 1e-20)).supports("=")
+        assert enclosures.Enclosure("", balls.between(-1e-30, 1e-30)).supports("=")
+        assert not enclosures.Enclosure("", balls.ball(1) / 0).supports("=")
+        assert not enclosures.Enclosure("", balls.ball(1e-30)).supports("=")
 
 
 @pytest.mark.slow
@@ -114,7 +114,7 @@ def test_crosses_agree_with_quadrature():
         for name, model in named.items():
             computed = residual(model, "visible_area", wo)[0]
             stated = equations[f"validation.table2.{name}"].equals
-            values = [balls.exact(stated, (enclosure.alpha, enclosure.mu_o))(alpha, mu) for mu in wo[:, 2]]
+            values = [ball_functions.exact(stated, (enclosure.alpha, enclosure.mu_o))(alpha, mu) for mu in wo[:, 2]]
             np.testing.assert_allclose(computed, [float(v) for v in values], atol=1e-11)
     for seen, ndf in ((enclosure.beckmann_visible_area, mf.Beckmann(0.4)), (enclosure.ggx_visible_area, mf.GGX(0.4))):
         computed = residual(mf.Kelemen(ndf), "visible_area", wo)[0] + 1

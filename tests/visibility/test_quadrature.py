@@ -89,7 +89,7 @@ def test_lambda_of_a_sharp_lobe_by_rings() -> None:
     """From near the pole the rings that are hidden are far out, a thousand times its roughness."""
     ndf = mf.GGX(1e-3)
     for wo in views(0.5, 5, 60, 89.9):
-        exact = mf.equations["visibility.ggx.Lambda"].exact(wo[2] / np.hypot(*wo[:2]) / 1e-3)
+        exact = mf.equations["geometry.ggx.Lambda"].exact(wo[2] / np.hypot(*wo[:2]) / 1e-3)
         for rule in (radial_Lambda, quadrature_Lambda):
             found = rule(mf.GGX.kernel)(tuple(wo), ModelParameters(ndf.parameters, SlopeScale(*ndf.slope_scale)))
             assert found == pytest.approx(float(exact), rel=1e-12)

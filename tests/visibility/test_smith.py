@@ -102,9 +102,7 @@ def test_beckmanns_Lambda_in_its_place_breaks_the_furnace() -> None:
 def test_Lambda_keeps_its_digits_near_normal_incidence(real: type) -> None:
     """(sqrt(1 + 1/a^2) - 1)/2 was 5 % wrong in single precision; erf(a) - 1 loses all digits beyond a = 5."""
     for a in (1.7, 5.5, 9.0, 100.0, 3e4):
-        ggx, beckmann = (
-            mf.equations[f"visibility.{name}.Lambda"].kernel(np.array([a], real))[0] for name in ("ggx", "beckmann")
-        )
+        ggx, beckmann = (mf.equations[f"geometry.{name}.Lambda"].kernel(np.array([a], real))[0] for name in ("ggx", "beckmann"))
         assert float(ggx) == pytest.approx(float(references.ggx_Lambda(real(a))), rel=4 * EPS[real], abs=0)
         exact = references.beckmann_Lambda(real(a))
         if exact > np.finfo(real).tiny:

@@ -8,8 +8,8 @@ import pytest
 import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
-from microfacet import checks
-from microfacet.notation import alpha_x, wm
+from microfacet.statements import checks
+from microfacet.statements.notation import alpha_x, wm
 from microfacet.visibility import stretching
 from samples import hemisphere, uniform, views
 
@@ -61,7 +61,7 @@ def test_slopes_along_the_view_have_the_width_alpha_o(kind: type, azimuth: float
     wo = views(60, azimuth=azimuth)[0]
     along = wo[:2] / np.hypot(*wo[:2])
     slopes = -(m[:, :2] @ along) / m[:, 2]
-    alpha_o = float(mf.equations["anisotropy.alpha_o"].kernel(*wo, *ALPHAS))
+    alpha_o = float(mf.equations["visibility.smith.alpha_o"].kernel(*wo, *ALPHAS))
     for share in (0.3, 1.0):
         below = float(np.mean(slopes < share * alpha_o))
         q = np.linspace(-400, share, 400_001) if kind is mf.GGX else np.linspace(-8, share, 20_001)
@@ -76,7 +76,7 @@ def red(key: str) -> bool:
     return checks.symbolic(mf.equations[key]).status == "fail"
 
 
-@pytest.mark.parametrize("key", ["anisotropy.facing", "anisotropy.v_cavity"])
+@pytest.mark.parametrize("key", ["visibility.stretching.facing", "visibility.stretching.v_cavity"])
 def test_normals_that_go_with_the_map_are_red(monkeypatch: pytest.MonkeyPatch, key: str) -> None:
     assert not red(key)
     monkeypatch.setattr(stretching, "moved_normal", stretching.moved_direction)
@@ -84,18 +84,18 @@ def test_normals_that_go_with_the_map_are_red(monkeypatch: pytest.MonkeyPatch, k
 
 
 def test_a_spread_of_one_axis_only_is_red(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert not red("anisotropy.visible_normals")
+    assert not red("visibility.stretching.visible_normals")
     monkeypatch.setattr(stretching, "moved_slopes", lambda: {stretching.x: alpha_x * stretching.x})
-    assert red("anisotropy.visible_normals")
+    assert red("visibility.stretching.visible_normals")
 
 
 def test_swapped_axes_are_red(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert not red("anisotropy.P2")
+    assert not red("visibility.stretching.P2")
     swapped = sp.sin(stretching.phi_o) ** 2 * stretching.alpha_x**2 + sp.cos(stretching.phi_o) ** 2 * stretching.alpha_y**2
     monkeypatch.setattr(stretching, "ALONG", swapped)
-    assert red("anisotropy.P2")
+    assert red("visibility.stretching.P2")
     pytest.importorskip("flint")
-    assert checks.enclosed(mf.equations["anisotropy.P2"]).status == "fail"
+    assert checks.enclosed(mf.equations["visibility.stretching.P2"]).status == "fail"
 
 
 def test_normals_are_stretched_as_slopes() -> None:

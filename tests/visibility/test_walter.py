@@ -9,7 +9,7 @@ import microfacet as mf
 import numpy as np
 import pytest
 import sympy as sp
-from microfacet import checks
+from microfacet.statements import checks
 from microfacet.visibility import walter
 from references import beckmann_Lambda
 
@@ -35,7 +35,7 @@ def test_the_error_is_as_large_as_stated_and_no_larger() -> None:
 
 
 def test_the_printed_ratio_is_that_of_the_statements() -> None:
-    stated = walter.fit.equals * (1 + mf.equations["visibility.beckmann.Lambda"].equals)
+    stated = walter.fit.equals * (1 + mf.equations["geometry.beckmann.Lambda"].equals)
     assert checks.vanishes(sp.simplify(stated.doit() - walter.ratio()))
 
 

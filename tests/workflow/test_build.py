@@ -16,7 +16,7 @@ pytestmark = pytest.mark.slow  # each starts whole builds
 
 PDF, HTML = "build/report.pdf", "build/report.html"
 PAGES = {f"report {PDF}", f"report {HTML}"}
-STATEMENTS = "lib/microfacet/statement.py"
+STATEMENTS = "lib/microfacet/statements/statement.py"
 
 
 def change_kernel(checkout: Checkout, kernel: str) -> None:

@@ -38,8 +38,8 @@ def test_imports_run_one_way(copy: Path) -> None:
     ("file", "line", "named"),
     [
         ("geometry/slopes.py", "from microfacet.visibility import smith", "geometry.slopes -> microfacet.visibility"),
-        ("notation.py", "from microfacet.geometry import ggx", "microfacet.notation -> microfacet.geometry.ggx"),
-        ("statement.py", "def late():\n    from report import datafile", "microfacet.statement -> report.datafile"),
+        ("statements/notation.py", "from microfacet.geometry import ggx", "statements.notation -> microfacet.geometry.ggx"),
+        ("frame.py", "def late():\n    from report import datafile", "microfacet.frame -> report.datafile"),
         ("more.py", "", "microfacet.more"),
     ],
 )

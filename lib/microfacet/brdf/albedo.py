@@ -17,8 +17,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from microfacet.compiler.batch import Batch
+from microfacet.compiler.kernels import Count, Pair, Vector
 from microfacet.directions import as_vectors
-from microfacet.kernels import Batch, Count, Pair, Vector
 from microfacet.material.fresnel import Conductor, Dielectric, Fresnel
 from microfacet.visibility.masking import G2_of_facet, Masking, no_Lambda
 from microfacet.visibility.smith import G2_BY_CORRELATION, Lambda_of

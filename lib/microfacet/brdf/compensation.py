@@ -16,16 +16,17 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
-from microfacet import balls
 from microfacet.brdf.albedo import ROUNDING, Reflected, critical, tanh_sinh
 from microfacet.brdf.base import BRDF
 from microfacet.brdf.cosine_table import LOWEST, CosineTable, starts
 from microfacet.brdf.specular import Microfacet, mu
+from microfacet.compiler.batch import Batch
+from microfacet.compiler.kernels import ByPrecision, Vector
 from microfacet.directions import as_uniform, as_vectors, vectors
-from microfacet.kernels import Batch, ByPrecision, Vector
 from microfacet.material.fresnel import F0, Fresnel, c, schlick_F
-from microfacet.notation import printed_symbol
-from microfacet.statement import Equation
+from microfacet.statements import enclosures
+from microfacet.statements.notation import printed_symbol
+from microfacet.statements.statement import Equation
 from microfacet.visibility.masking import over_pairs
 
 FORMS = ("lobe", "scaled")
@@ -102,7 +103,7 @@ with sp.evaluate(False):
         means=sp.Integral(2 * (F0 + (1 - F0) * (1 - c) ** 5) * c, (c, 0, 1)),
         equals=F0 + (1 - F0) / 21,
         over={F0: (0.01, 1)},
-        enclosed=lambda it: balls.agreement(it.means, it.equals, (F0,), [(0.01,), (0.5,), (1.0,)]),
+        enclosed=lambda it: enclosures.agreement(it.means, it.equals, (F0,), [(0.01,), (0.5,), (1.0,)]),
         proof=lambda it: _schlick_steps(it),
         proved_by="sympy: Schlick's reflectance put in, then the integral",
         slides=(73, 74, 75),

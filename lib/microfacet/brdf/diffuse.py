@@ -14,11 +14,12 @@ from numpy.typing import ArrayLike, NDArray
 from microfacet.brdf.albedo import GAUSS, KRONROD, KRONROD_NODES
 from microfacet.brdf.base import BRDF
 from microfacet.brdf.cosine_table import CosineTable
+from microfacet.compiler.batch import Batch
+from microfacet.compiler.kernels import Pair, Vector
 from microfacet.directions import as_vectors, positive, spherical
 from microfacet.geometry.slopes import P22_at_m, normals_from_slopes, normals_integral, solid_angle
-from microfacet.kernels import Batch, Pair, Vector
-from microfacet.notation import G1, G2, P22, chi, mu_i, mu_o, phi, phi_i, printed_symbol, theta_i, theta_o, wm, x, y
-from microfacet.statement import Equation
+from microfacet.statements.notation import G1, G2, P22, chi, mu_i, mu_o, phi, phi_i, printed_symbol, theta_i, theta_o, wm, x, y
+from microfacet.statements.statement import Equation
 from microfacet.visibility.masking import Masking
 
 # --- statements -------------------------------------------------------------------------------------------------------

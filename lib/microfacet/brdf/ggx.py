@@ -9,8 +9,8 @@ import sympy as sp
 
 from microfacet.geometry import ggx
 from microfacet.geometry.ggx import ROUGHNESS, lobe
-from microfacet.notation import Lambda_i, Lambda_o, a, alpha_x, alpha_y, chi, mu_i, mu_o, printed_symbol, wi, wm, wo
-from microfacet.statement import Equation
+from microfacet.statements.notation import Lambda_i, Lambda_o, a, alpha_x, alpha_y, chi, mu_i, mu_o, printed_symbol, wi, wm, wo
+from microfacet.statements.statement import Equation
 from microfacet.visibility import shadowing
 
 x_h, y_h, z_h = sp.symbols("x_h y_h z_h", real=True)  # the sum of both directions

@@ -16,19 +16,20 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
-from microfacet import balls
 from microfacet.brdf.base import BRDF
 from microfacet.brdf.later_bounces import SecondFacets
 from microfacet.brdf.specular import BRDFParameters, D_h, Microfacet, added, divided, mu
+from microfacet.compiler.batch import Batch
+from microfacet.compiler.kernels import Count, Pair, Vector
 from microfacet.confidence import Estimate, mean_bound
 from microfacet.directions import as_uniform, as_vectors, whole
 from microfacet.geometry import ggx
 from microfacet.geometry.facets import ggx_facet
 from microfacet.geometry.ggx import GGX
-from microfacet.kernels import Batch, Count, Pair, Vector
 from microfacet.material.fresnel import Fresnel, Mirror
-from microfacet.notation import F, Lambda_i, Lambda_o, a, chi, om, printed_symbol, u, v
-from microfacet.statement import Equation
+from microfacet.statements import enclosures
+from microfacet.statements.notation import F, Lambda_i, Lambda_o, a, chi, om, printed_symbol, u, v
+from microfacet.statements.statement import Equation
 from microfacet.streams import drawn, stream
 from microfacet.visibility import shadowing
 from microfacet.visibility.smith import G1 as smith_masking
@@ -41,6 +42,7 @@ chance = printed_symbol("xi", r"\xi", positive=True)
 visible_area = printed_symbol(
     "A_shown", r"A^{\pm}", positive=True
 )  # projected area of the facets turned to a ray, from above or below
+LAMBDAS = [(0.0, 0.0), (0.25, 0.5), (1.0, 30.0)]  # of the view and of the light
 HEIGHT_POINTS = [(0.5, 0.25, 0.3), (1.0, 1e-3, 0.0), (0.1, 0.09, 40.0)]  # u, u', Lambda
 
 
@@ -66,7 +68,7 @@ with sp.evaluate(False):
         equals=(reached / u) ** (1 + Lambda_o),
         over={u: (0.01, 1), reached: (0.01, 1), Lambda_o: (0, 10)},
         within=(32, 32),
-        enclosed=lambda it: balls.agreement(it.means, it.equals, (u, reached, Lambda_o), HEIGHT_POINTS),
+        enclosed=lambda it: enclosures.agreement(it.means, it.equals, (u, reached, Lambda_o), HEIGHT_POINTS),
         slides=(73, 74, 75),
         cite="heitz2016",
         note="A ray down meets the facets turned up to it, one going up those turned away from its origin. "
@@ -80,7 +82,7 @@ with sp.evaluate(False):
         equals=(u / reached) ** Lambda_o,
         over={u: (0.01, 1), reached: (0.01, 1), Lambda_o: (0, 10)},
         within=(16, 16),
-        enclosed=lambda it: balls.agreement(it.means, it.equals, (u, reached, Lambda_o), HEIGHT_POINTS),
+        enclosed=lambda it: enclosures.agreement(it.means, it.equals, (u, reached, Lambda_o), HEIGHT_POINTS),
         slides=(73, 74, 75),
         cite="heitz2016",
         note="At u' = 1 the ray has left, and this is the chance that the facet is seen. "
@@ -115,7 +117,7 @@ with sp.evaluate(False):
         means=sp.Integral((1 + Lambda_o) * u**Lambda_o * u**Lambda_i, (u, 0, 1)),
         equals=(1 + Lambda_o) / (1 + Lambda_o + Lambda_i),
         over={Lambda_o: (0, 100), Lambda_i: (0, 100)},
-        enclosed=lambda it: balls.agreement(it.means, it.equals, (Lambda_o, Lambda_i), [(0.0, 0.0), (0.25, 0.5), (1.0, 30.0)]),
+        enclosed=lambda it: enclosures.agreement(it.means, it.equals, (Lambda_o, Lambda_i), LAMBDAS),
         proof=lambda it: _first_steps(it),
         proved_by="sympy: the density of heights on the way down, the chance to leave from there, their integral",
         slides=(73, 74, 75),

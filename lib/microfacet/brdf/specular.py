@@ -11,19 +11,20 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
-from microfacet import balls
 from microfacet.brdf.albedo import Reflected, reflected_fraction
 from microfacet.brdf.base import BRDF
+from microfacet.compiler.batch import Batch
+from microfacet.compiler.kernels import ByPrecision, Pair, Parameters, Vector
 from microfacet.directions import as_vectors, uniform, vectors
 from microfacet.geometry.slopes import drawn_from, excess_over_drawn
 from microfacet.geometry.visible_normals import HORIZON
-from microfacet.kernels import Batch, ByPrecision, Pair, Parameters, Vector
 from microfacet.material.fresnel import Fresnel, Mirror
 from microfacet.material.reflection import half_vector, i_vector, o_vector, reflected, weak_furnace
-from microfacet.notation import G1, D, F, Lambda_i, Lambda_o, im, mu_i, mu_o, om, printed_symbol
 from microfacet.parameters import Parametric, together
-from microfacet.proofs import under_integral
-from microfacet.statement import Equation
+from microfacet.statements import enclosures
+from microfacet.statements.notation import G1, D, F, Lambda_i, Lambda_o, im, mu_i, mu_o, om, printed_symbol
+from microfacet.statements.proofs import under_integral
+from microfacet.statements.statement import Equation
 from microfacet.visibility import shadowing, unphysical, v_cavity
 from microfacet.visibility.masking import Masking, ModelParameters, dot, over_pairs
 from microfacet.visibility.smith import Smith
@@ -101,7 +102,7 @@ with sp.evaluate(False):
         symbol=printed_symbol("E_anchor", r"E(\theta_o)"),
         means=sp.Integral(mu / (mu + mu_o), (mu, 0, 1)),
         equals=1 - mu_o * sp.log(1 + 1 / mu_o),
-        enclosed=lambda it: balls.agreement(it.means, it.equals, (mu_o,), [(1e-6,), (0.1,), (1.0,)]),
+        enclosed=lambda it: enclosures.agreement(it.means, it.equals, (mu_o,), [(1e-6,), (0.1,), (1.0,)]),
         over={mu_o: (1e-6, 1)},
         proof=lambda: _anchor_steps(),
         proved_by="sympy: Lambda and D at alpha = 1 put in, then the antiderivative",
@@ -116,7 +117,7 @@ with sp.evaluate(False):
         symbol=printed_symbol("E_average", r"2 \int_{0}^{1} E(\theta_o) \cos\theta_o \, d\cos\theta_o"),
         means=sp.Integral(2 * mu_o * (1 - mu_o * sp.log(1 + 1 / mu_o)), (mu_o, 0, 1)),
         equals=sp.Rational(4, 3) * (1 - sp.log(2)),
-        enclosed=lambda it: balls.agreement(_average_from(it, EDGE), it.equals, (), [()]),
+        enclosed=lambda it: enclosures.agreement(_average_from(it, EDGE), it.equals, (), [()]),
         proof=lambda it: _average_steps(it),
         proved_by="sympy: the antiderivative, checked by differentiation, between its limits",
         slides=(73, 74, 75),
@@ -127,7 +128,7 @@ with sp.evaluate(False):
 def _average_from(it: Equation, edge: sp.Expr) -> sp.Expr:
     """Below the edge the integrand lies between 0 and 2 mu."""
     (whole,) = it.means.atoms(sp.Integral)
-    return under_integral(it, sp.Integral(whole.function, (mu_o, edge, 1)) + balls.SHARE * edge**2)
+    return under_integral(it, sp.Integral(whole.function, (mu_o, edge, 1)) + enclosures.SHARE * edge**2)
 
 
 def _average_steps(it: Equation) -> list[Any]:

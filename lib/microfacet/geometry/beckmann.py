@@ -9,17 +9,17 @@ from typing import Any, ClassVar
 import mpmath
 import sympy as sp
 
-from microfacet import balls
 from microfacet.arithmetic import exp_minus_squares
+from microfacet.compiler.kernels import Pair, Vector
 from microfacet.geometry.facets import beckmann_facet
 from microfacet.geometry.ggx import ROUGHNESS
 from microfacet.geometry.roughness import Alphas
 from microfacet.geometry.slopes import Stretched, around, normals_integral, slope_integral, unstretched_norm
 from microfacet.geometry.visible_normals import sample_beckmann
-from microfacet.kernels import Pair, Vector
-from microfacet.notation import a, alpha, alpha_x, alpha_y, chi, printed_symbol, q, wm, x, y
 from microfacet.special_functions import SQRT_PI
-from microfacet.statement import Equation
+from microfacet.statements import enclosures
+from microfacet.statements.notation import a, alpha, alpha_x, alpha_y, chi, printed_symbol, q, wm, x, y
+from microfacet.statements.statement import Equation
 
 # --- the distribution -----------------------------------------------------------------------------------------------
 
@@ -87,8 +87,8 @@ projected_area = Equation(
     equals=sp.Integer(1),
     proof=_polar_steps,
     proved_by="sympy: slopes unstretched, then polar coordinates",
-    enclosed=lambda it: balls.agreement(
-        balls.truncated(unstretched_norm(P22.equals), SLOPE_LIMIT, sp.exp(-(SLOPE_LIMIT**2))), 1, (), [()]
+    enclosed=lambda it: enclosures.agreement(
+        enclosures.truncated(unstretched_norm(P22.equals), SLOPE_LIMIT, sp.exp(-(SLOPE_LIMIT**2))), 1, (), [()]
     ),
     slides=(35, 36, 55, 67),
     cite="heitz2014",
@@ -107,8 +107,8 @@ with sp.evaluate(False):
         means=sp.Integral(sp.exp(-(q**2) / alpha**2 - y**2 / alpha**2) / (sp.pi * alpha**2), (y, -sp.oo, sp.oo)),
         equals=sp.exp(-(q**2) / alpha**2) / (sp.sqrt(sp.pi) * alpha),
         computed_by=marginal,
-        enclosed=lambda it: balls.agreement(
-            balls.truncated(it.means, SLOPE_LIMIT * alpha, it.equals * sp.exp(-(SLOPE_LIMIT**2))),
+        enclosed=lambda it: enclosures.agreement(
+            enclosures.truncated(it.means, SLOPE_LIMIT * alpha, it.equals * sp.exp(-(SLOPE_LIMIT**2))),
             it.equals,
             (q, alpha),
             [(ratio * scale, scale) for ratio, scale in product((0.0, 1.0, 5.0), (1e-4, 1.0, 10.0))],
@@ -124,8 +124,8 @@ with sp.evaluate(False):
         symbol=printed_symbol("rms_beckmann", r"\sqrt{\int_{-\infty}^{\infty} q^2 P_2(q) \, dq}"),
         means=sp.sqrt(sp.Integral(q**2 * sp.exp(-(q**2) / alpha**2) / (sp.sqrt(sp.pi) * alpha), (q, -sp.oo, sp.oo))),
         equals=alpha / sp.sqrt(2),
-        enclosed=lambda it: balls.agreement(
-            balls.truncated(it.means, SLOPE_LIMIT * alpha, 10 * alpha**2 * sp.exp(-(SLOPE_LIMIT**2))),
+        enclosed=lambda it: enclosures.agreement(
+            enclosures.truncated(it.means, SLOPE_LIMIT * alpha, 10 * alpha**2 * sp.exp(-(SLOPE_LIMIT**2))),
             it.equals,
             (alpha,),
             ROUGHNESSES,
@@ -173,7 +173,7 @@ def gap(a: float) -> float:
 
 with sp.evaluate(False):
     g = Equation(
-        key="visibility.beckmann.g",
+        key="geometry.beckmann.g",
         title="how far the scaled complementary error function is from its limit",
         symbol=sp.Function("g")(a),
         equals=1 - sp.sqrt(sp.pi) * a * sp.exp(a**2) * sp.erfc(a),
@@ -184,7 +184,7 @@ with sp.evaluate(False):
         note="Computed as a Chebyshev series whose coefficients are derived from this definition at 60 digits.",
     )
     Lambda = Equation(
-        key="visibility.beckmann.Lambda",
+        key="geometry.beckmann.Lambda",
         title="Smith's Lambda for Beckmann",
         symbol=sp.Function("Lambda_Beckmann")(a),
         means=sp.Integral((q - a) * sp.exp(-(q**2)) / sp.sqrt(sp.pi), (q, a, sp.oo)) / a,
@@ -193,8 +193,8 @@ with sp.evaluate(False):
         over={a: (1e-8, 1e8)},
         slides=(58, 62, 63),
         cite="heitz2014, eq. 69",
-        enclosed=lambda it: balls.agreement(
-            balls.truncated(it.means, a + SLOPE_LIMIT, sp.exp(-((a + SLOPE_LIMIT) ** 2))),
+        enclosed=lambda it: enclosures.agreement(
+            enclosures.truncated(it.means, a + SLOPE_LIMIT, sp.exp(-((a + SLOPE_LIMIT) ** 2))),
             it.equals,
             (a,),
             [(1e-8,), (0.01,), (1.0,), (4.0,)],
@@ -210,8 +210,8 @@ area = Equation(
     equals=1 + sp.sqrt(sp.pi) * alpha * sp.exp(1 / alpha**2) * sp.erfc(1 / alpha) / 2,
     computed_as=1 + alpha**2 * (1 - sp.Function("g")(1 / alpha)) / 2,
     over={alpha: ROUGHNESS},
-    enclosed=lambda it: balls.agreement(
-        balls.truncated(it.means, SLOPE_LIMIT * alpha, (2 + SLOPE_LIMIT * alpha) * sp.exp(-(SLOPE_LIMIT**2))),
+    enclosed=lambda it: enclosures.agreement(
+        enclosures.truncated(it.means, SLOPE_LIMIT * alpha, (2 + SLOPE_LIMIT * alpha) * sp.exp(-(SLOPE_LIMIT**2))),
         it.equals,
         (alpha,),
         ROUGHNESSES,
@@ -264,7 +264,7 @@ class Beckmann(Stretched):
               \exp\left( -\frac{x_m^2/\alpha_x^2 + y_m^2/\alpha_y^2}{z_m^2} \right)
 
     The root mean square of the slopes along x is :math:`\alpha_x/\sqrt{2}`. Statements ``geometry.beckmann.D`` and
-    ``visibility.beckmann.Lambda``.
+    ``geometry.beckmann.Lambda``.
 
     Parameters
     ----------

@@ -11,15 +11,15 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
-from microfacet import balls
 from microfacet.arithmetic import inverse_power, quotient_of_squares, two_product, two_sum
+from microfacet.compiler.kernels import ByPrecision, Pair, Vector
 from microfacet.directions import within
 from microfacet.geometry.slopes import Distribution, around, normals_integral
-from microfacet.kernels import ByPrecision, Pair, Vector
-from microfacet.notation import chi, n, printed_symbol, q, u, wm, x, y
 from microfacet.parameters import double, each
-from microfacet.proofs import under_integral
-from microfacet.statement import Equation
+from microfacet.statements import enclosures
+from microfacet.statements.notation import chi, n, printed_symbol, q, u, wm, x, y
+from microfacet.statements.proofs import under_integral
+from microfacet.statements.statement import Equation
 
 EXPONENT = (0.5, 1e4)
 POWERS = [(0.5,), (1.0,), (10.0,), (1e4,)]  # at which integrals are enclosed
@@ -113,7 +113,7 @@ projected_area = Equation(
     proof=_power_steps,
     proved_by="sympy: antiderivative by differentiation, taken between the ends",
     over={n: EXPONENT},
-    enclosed=lambda it: balls.agreement(cosine_power, it.equals, (n,), POWERS),
+    enclosed=lambda it: enclosures.agreement(cosine_power, it.equals, (n,), POWERS),
     slides=(55,),
     cite="heitz2014",
     note="Equal to 1 at one exponent only, n = 2 pi - 2.",
@@ -124,7 +124,7 @@ normalized_projected_area = Equation(
     symbol=normals_integral(r"\left( \omega_m \cdot \omega_g \right) D(\omega_m)"),
     means=_scaled,
     equals=sp.Integer(1),
-    enclosed=lambda it: balls.agreement(_scaled, 1, (n,), POWERS),
+    enclosed=lambda it: enclosures.agreement(_scaled, 1, (n,), POWERS),
     proof=lambda: [*_power_steps(), (n + 2) / (2 * sp.pi) * 2 * sp.pi / (n + 2) - 1],
     proved_by="sympy: antiderivative by differentiation, taken between the ends",
     slides=(35, 36, 55),
@@ -156,14 +156,14 @@ c = sp.Symbol("c", positive=True)  # the cotangent of the view angle
 
 with sp.evaluate(False):
     H = Equation(
-        key="visibility.blinn_phong.H",
+        key="geometry.blinn_phong.H",
         title="overlap integral of Student's t distribution",
         symbol=sp.Function("H")(w, n),
         means=sp.Integral(v * (1 + 2 * w * v + v**2) ** (-(n + 3) / 2), (v, 0, sp.oo)),
         equals=sp.hyper([2, n + 1], [(n + 4) / 2], (1 - w) / 2) / ((n + 1) * (n + 2)),
         computed_by=overlap,
         over={w: (0, 1), n: EXPONENT},
-        enclosed=lambda it: balls.agreement(
+        enclosed=lambda it: enclosures.agreement(
             _overlap_folded(), it.equals, (w, n), [(0.0, 0.5), (1.0, 0.5), (0.3, 1.0), (0.0, 10.0), (0.9, 10.0), (0.0, 1e3)]
         ),
         proof=lambda: _overlap_steps(),
@@ -203,14 +203,14 @@ def student_Lambda(c: float, n: float, K: float) -> float:
 
 with sp.evaluate(False):
     Lambda = Equation(
-        key="visibility.blinn_phong.Lambda",
+        key="geometry.blinn_phong.Lambda",
         title="Smith's Lambda for Blinn-Phong slopes",
         symbol=sp.Function("Lambda_student")(c),
         means=sp.Integral((q - c) * K * (1 + q**2) ** (-(n + 3) / 2), (q, c, sp.oo)) / c,
         equals=K * (1 + c**2) ** (-(n + 1) / 2) * sp.Function("H")(c / sp.sqrt(1 + c**2), n) / c,
         computed_by=student_Lambda,
         over={c: (1e-6, 1e3), n: (0.5, 1000), K: (1e-2, 1e2)},
-        enclosed=lambda it: balls.agreement(
+        enclosed=lambda it: enclosures.agreement(
             _hidden_folded(it), it.equals, (c, n, K), [(0.1, 0.5, 1.0), (1.0, 1.0, 1.0), (0.5, 10.0, 1.0), (2.0, 10.0, 1.0)]
         ),
         proof=lambda: _substitution_steps(),
@@ -257,7 +257,7 @@ with sp.evaluate(False):
         symbol=K,
         means=sp.Integral((1 + r**2) ** (-(n + 4) / 2), (r, -sp.oo, sp.oo)),
         equals=sp.sqrt(sp.pi) * sp.gamma((n + 3) / 2) / sp.gamma((n + 4) / 2),
-        enclosed=lambda it: balls.agreement(_beta_folded(it), it.equals, (n,), POWERS),
+        enclosed=lambda it: enclosures.agreement(_beta_folded(it), it.equals, (n,), POWERS),
         proof=lambda it: _beta_steps(it),
         proved_by="sympy: Euler's beta integral",
         slides=(62,),
@@ -271,7 +271,7 @@ with sp.evaluate(False):
         equals=K * (1 + q**2) ** (-(n + 3) / 2),
         where={K: _K},
         proof=lambda it: _marginal_steps(it),
-        enclosed=lambda it: balls.agreement(
+        enclosed=lambda it: enclosures.agreement(
             _across_folded(it), it.equals.subs(K, _K), (q, n), [(0.0, 0.5), (1.0, 1.0), (3.0, 10.0), (0.5, 1e3)]
         ),
         proved_by="sympy: y = sqrt(1+q^2) r leaves the integral K",
@@ -446,7 +446,7 @@ class NormalizedBlinnPhong(BlinnPhong):
 
     .. math:: D(\omega_m) = \frac{n + 2}{2\pi} \, \chi^{+}(z_m) \, z_m^n
 
-    Statements ``geometry.normalized_blinn_phong.D`` and ``visibility.blinn_phong.Lambda``.
+    Statements ``geometry.normalized_blinn_phong.D`` and ``geometry.blinn_phong.Lambda``.
 
     Parameters
     ----------

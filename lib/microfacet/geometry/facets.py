@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from math import cos, exp, log, pi, sin, sqrt
 
+from microfacet.compiler.kernels import Pair, Vector
 from microfacet.geometry.roughness import Alphas
 from microfacet.geometry.visible_normals import STRAIGHT, unstretched
-from microfacet.kernels import Pair, Vector
 from microfacet.special_functions import SQRT_PI
 from microfacet.streams import drawn
 

@@ -9,15 +9,15 @@ from typing import Any, ClassVar, NamedTuple
 
 import sympy as sp
 
-from microfacet import balls
 from microfacet.arithmetic import two_product
+from microfacet.compiler.kernels import Pair, Parameters, Vector
 from microfacet.geometry.facets import ggx_facet
 from microfacet.geometry.roughness import Alphas
 from microfacet.geometry.slopes import Stretched, around, normals_integral, slope_integral, unstretched_norm
 from microfacet.geometry.visible_normals import sample_ggx
-from microfacet.kernels import Pair, Parameters, Vector
-from microfacet.notation import a, alpha, alpha_x, alpha_y, chi, printed_symbol, q, wm, x, y
-from microfacet.statement import Equation
+from microfacet.statements import enclosures
+from microfacet.statements.notation import a, alpha, alpha_x, alpha_y, chi, printed_symbol, q, wm, x, y
+from microfacet.statements.statement import Equation
 
 ROUGHNESS = (1e-4, 10)
 ARGUMENTS = [(1e-8,), (0.01,), (1.0,), (100.0,), (1e8,)]  # of Lambda, where it is enclosed
@@ -63,7 +63,7 @@ projected_area = Equation(
     equals=sp.Integer(1),
     proof=lambda: _polar_steps(),
     proved_by="sympy: slopes unstretched, then polar coordinates",
-    enclosed=lambda it: balls.agreement(balls.folded(unstretched_norm(P22.equals), 1), 1, (), [()]),
+    enclosed=lambda it: enclosures.agreement(enclosures.folded(unstretched_norm(P22.equals), 1), 1, (), [()]),
     slides=(35, 36, 55, 67),
     cite="heitz2014",
 )
@@ -87,22 +87,22 @@ with sp.evaluate(False):
         means=sp.Integral(1 / (sp.pi * alpha**2 * (1 + q**2 / alpha**2 + y**2 / alpha**2) ** 2), (y, -sp.oo, sp.oo)),
         equals=alpha**2 / (2 * (alpha**2 + q**2) ** sp.Rational(3, 2)),
         computed_as=1 / (2 * alpha * (1 + (q / alpha) ** 2) * sp.sqrt(1 + (q / alpha) ** 2)),
-        enclosed=lambda it: balls.agreement(
-            balls.folded(it.means, alpha), it.equals, (q, alpha), list(product((0.0, 1.0, 1e3), (1e-4, 1.0, 10.0)))
+        enclosed=lambda it: enclosures.agreement(
+            enclosures.folded(it.means, alpha), it.equals, (q, alpha), list(product((0.0, 1.0, 1e3), (1e-4, 1.0, 10.0)))
         ),
         over={q: (-1e3, 1e3), alpha: ROUGHNESS},
         slides=(70, 71),
         cite="heitz2014",
     )
     Lambda = Equation(
-        key="visibility.ggx.Lambda",
+        key="geometry.ggx.Lambda",
         title="Smith's Lambda for GGX",
         symbol=sp.Function("Lambda_GGX")(a),
         means=sp.Integral((q - a) / (2 * (1 + q**2) ** sp.Rational(3, 2)), (q, a, sp.oo)) / a,
         equals=(-1 + sp.sqrt(1 + 1 / a**2)) / 2,
         computed_as=1 / (2 * a * (a + sp.sqrt(1 + a**2))),
         over={a: (1e-8, 1e8)},
-        enclosed=lambda it: balls.agreement(balls.folded(it.means, a + 1), it.equals, (a,), ARGUMENTS),
+        enclosed=lambda it: enclosures.agreement(enclosures.folded(it.means, a + 1), it.equals, (a,), ARGUMENTS),
         slides=(58, 62, 63),
         cite="heitz2014, eq. 72",
         note="The closed form subtracts two numbers near 1 where a is large; the rewrite does not.",
@@ -130,7 +130,7 @@ with sp.evaluate(False):
         ),
         means=sp.Integral(2 * q / (1 + q**2) ** 2, (q, 0, 1)),
         equals=sp.Rational(1, 2),
-        enclosed=lambda it: balls.agreement(it.means, it.equals, (), [()]),
+        enclosed=lambda it: enclosures.agreement(it.means, it.equals, (), [()]),
         slides=(64, 65),
         cite="walter2007",
     )
@@ -142,7 +142,7 @@ with sp.evaluate(False):
         equals=alpha**2 * (sp.asinh(reach / alpha) - reach / sp.sqrt(alpha**2 + reach**2)),
         proof=lambda: _moment_steps(),
         proved_by="sympy: antiderivative by differentiation, and its limit",
-        enclosed=lambda it: balls.agreement(it.means, it.equals, (alpha, reach), [(0.1, 1.0), (1.0, 1.0), (1.0, 1e6)]),
+        enclosed=lambda it: enclosures.agreement(it.means, it.equals, (alpha, reach), [(0.1, 1.0), (1.0, 1.0), (1.0, 1e6)]),
         slides=(64, 65),
         cite="walter2007",
     )
@@ -157,7 +157,7 @@ area = Equation(
     means=sp.Integral(2 * q * sp.sqrt(1 + q**2) / (alpha**2 * (1 + q**2 / alpha**2) ** 2), (q, 0, sp.oo)),
     equals=1 + alpha**2 * sp.atanh(sp.sqrt(1 - alpha**2)) / sp.sqrt(1 - alpha**2),
     computed_as=1 + alpha**2 * sp.asinh(_k / alpha) / _k,
-    enclosed=lambda it: balls.agreement(balls.folded(it.means, 1), it.equals, (alpha,), [(1e-4,), (0.1,), (0.999,)]),
+    enclosed=lambda it: enclosures.agreement(enclosures.folded(it.means, 1), it.equals, (alpha,), [(1e-4,), (0.1,), (0.999,)]),
     rewrite_proof=lambda: [sp.tanh(sp.asinh(_k.doit() / alpha)) - _k.doit(), _k.doit() ** 2 - (1 - alpha**2)],
     over={alpha: (1e-4, 0.999)},
     proof=lambda: _area_steps(),
@@ -172,7 +172,7 @@ area_at_one = Equation(
     symbol=normals_integral(r"D(\omega_m)"),
     means=sp.Integral(2 * q * sp.sqrt(1 + q**2) / (1 + q**2) ** 2, (q, 0, sp.oo)),
     equals=sp.Integer(2),
-    enclosed=lambda it: balls.agreement(balls.folded(it.means, 1), it.equals, (), [()]),
+    enclosed=lambda it: enclosures.agreement(enclosures.folded(it.means, 1), it.equals, (), [()]),
     proof=lambda it: [
         it.means.function - area.means.function.subs(alpha, 1),
         sp.diff(-2 / sp.sqrt(1 + q**2), q) - it.means.function,
@@ -197,7 +197,9 @@ with sp.evaluate(False):
         means=area.means,
         equals=1 + alpha**2 * sp.atan(sp.sqrt(alpha**2 - 1)) / sp.sqrt(alpha**2 - 1),
         computed_by=kernel_area,
-        enclosed=lambda it: balls.agreement(balls.folded(it.means, 1), it.equals, (alpha,), [(1.001,), (2.0,), (10.0,)]),
+        enclosed=lambda it: enclosures.agreement(
+            enclosures.folded(it.means, 1), it.equals, (alpha,), [(1.001,), (2.0,), (10.0,)]
+        ),
         over={alpha: (1.001, 10)},
         proof=lambda: _area_above_steps(),
         proved_by="sympy: antiderivative in the cosine of the normal's angle, its derivative and its limits",
@@ -313,7 +315,7 @@ class GGX(Stretched):
     .. math:: D(\omega_m) = \frac{\chi^{+}(z_m)}{\pi \alpha_x \alpha_y
               \left( x_m^2/\alpha_x^2 + y_m^2/\alpha_y^2 + z_m^2 \right)^2}
 
-    Statements ``geometry.ggx.D`` and ``visibility.ggx.Lambda``.
+    Statements ``geometry.ggx.D`` and ``geometry.ggx.Lambda``.
 
     Parameters
     ----------

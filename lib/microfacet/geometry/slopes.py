@@ -17,14 +17,15 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
+from microfacet.compiler.batch import Batch
+from microfacet.compiler.kernels import Pair, Parameters, Vector
 from microfacet.directions import numbers, roughness, uniform, vectors
 from microfacet.geometry.panels import Panels, panels
 from microfacet.geometry.roughness import Alphas
 from microfacet.geometry.visible_normals import HORIZON
-from microfacet.kernels import Batch, Pair, Parameters, Vector
-from microfacet.notation import P22, Direction, alpha_x, alpha_y, chi, printed_symbol, x, y
 from microfacet.parameters import Parametric, each, shown, together
-from microfacet.statement import Equation
+from microfacet.statements.notation import P22, Direction, alpha_x, alpha_y, chi, printed_symbol, x, y
+from microfacet.statements.statement import Equation
 
 m = Direction("m")
 NORMS = tuple(f"geometry.{name}.projected_area" for name in ("beckmann", "ggx", "normalized_blinn_phong"))

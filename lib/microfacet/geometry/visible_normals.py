@@ -9,9 +9,9 @@ from __future__ import annotations
 from math import sqrt
 
 from microfacet.arithmetic import cosine_and_sine
+from microfacet.compiler.kernels import ByPrecision, Pair, Vector
 from microfacet.geometry.roughness import Alphas
 from microfacet.geometry.visible_slopes import NOTHING, gaussian_slope, visible_gaussian_slope
-from microfacet.kernels import ByPrecision, Pair, Vector
 
 HORIZON = ByPrecision(double=1.5e-154, single=1.1e-19)  # the square of a lower height loses digits: it counts as 0
 EDGE = ByPrecision(double=8 * 2.0**-52, single=8 * 2.0**-23)  # bound of the rounding error of a cosine, relative to its terms

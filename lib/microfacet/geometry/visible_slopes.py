@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from microfacet.kernels import ByPrecision
+from microfacet.compiler.kernels import ByPrecision
 from microfacet.special_functions import FINE, SQRT_PI, exponential_within, logarithm_about, scaled_erfc
 
 LEAST = ByPrecision(double=1e-30, single=1e-13)  # lower bound of a fraction: no random number but 0 is smaller

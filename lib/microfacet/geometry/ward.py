@@ -7,15 +7,15 @@ from typing import Any, ClassVar
 
 import sympy as sp
 
-from microfacet import balls
 from microfacet.arithmetic import exp_minus_squares
+from microfacet.compiler.kernels import Vector
 from microfacet.geometry.beckmann import ROUGHNESSES, SLOPE_LIMIT, Beckmann, kernel_sample
 from microfacet.geometry.ggx import ROUGHNESS
 from microfacet.geometry.roughness import Alphas
 from microfacet.geometry.slopes import Stretched, normals_integral
-from microfacet.kernels import Vector
-from microfacet.notation import alpha, alpha_x, alpha_y, chi, printed_symbol, q, wm
-from microfacet.statement import Equation
+from microfacet.statements import enclosures
+from microfacet.statements.notation import alpha, alpha_x, alpha_y, chi, printed_symbol, q, wm
+from microfacet.statements.statement import Equation
 
 
 def compensated_D(x: float, y: float, z: float, alpha_x: float, alpha_y: float) -> float:
@@ -49,8 +49,8 @@ projected_area = Equation(
     symbol=normals_integral(r"\left( \omega_m \cdot \omega_g \right) D(\omega_m)"),
     means=sp.Integral(2 * q * sp.exp(-(q**2) / alpha**2) / (alpha**2 * (1 + q**2) ** 2), (q, 0, sp.oo)),
     equals=sp.exp(1 / alpha**2) * sp.expint(2, 1 / alpha**2) / alpha**2,
-    enclosed=lambda it: balls.agreement(
-        balls.truncated(it.means, SLOPE_LIMIT * alpha, sp.exp(-(SLOPE_LIMIT**2))), it.equals, (alpha,), ROUGHNESSES
+    enclosed=lambda it: enclosures.agreement(
+        enclosures.truncated(it.means, SLOPE_LIMIT * alpha, sp.exp(-(SLOPE_LIMIT**2))), it.equals, (alpha,), ROUGHNESSES
     ),
     proof=lambda: _substitution_steps(),
     proved_by="sympy: substitution w = 1 + q^2 gives the exponential integral",

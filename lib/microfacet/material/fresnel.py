@@ -12,11 +12,12 @@ import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
 from microfacet.arithmetic import two_product, two_sum
+from microfacet.compiler.batch import Batch
+from microfacet.compiler.kernels import Parameters
 from microfacet.directions import cosines, real_number, within
-from microfacet.kernels import Batch, Parameters
-from microfacet.notation import printed_symbol
 from microfacet.parameters import Parametric, each, shown, together
-from microfacet.statement import Equation
+from microfacet.statements.notation import printed_symbol
+from microfacet.statements.statement import Equation
 
 c = sp.Symbol("c", positive=True)  # cosine between light and facet normal
 eta, kappa = sp.symbols("eta kappa", positive=True)  # refractive index relative to outside; its imaginary part

@@ -6,12 +6,12 @@ from typing import Any
 
 import sympy as sp
 
-from microfacet import balls
 from microfacet.geometry import ggx
 from microfacet.geometry.slopes import normals_integral
-from microfacet.notation import G1, D, a, alpha_x, alpha_y, chi, ih, mu_i, mu_o, om, printed_symbol, wm
-from microfacet.proofs import residuals_of_forms
-from microfacet.statement import Equation
+from microfacet.statements import enclosures
+from microfacet.statements.notation import G1, D, a, alpha_x, alpha_y, chi, ih, mu_i, mu_o, om, printed_symbol, wm
+from microfacet.statements.proofs import residuals_of_forms
+from microfacet.statements.statement import Equation
 from microfacet.visibility.masking import MODELS, visible_norm, visible_normals
 
 m_vector, o_vector = printed_symbol("m_vector", r"\omega_m"), printed_symbol("o_vector", r"\omega_o")
@@ -150,7 +150,7 @@ with sp.evaluate(False):
         equals=mu_o / (1 + mu_o),
         proof=_down_steps,
         proved_by="sympy: D and G1 at alpha = 1 put in; the density does not depend on the light",
-        enclosed=lambda it: balls.agreement(it.means, it.equals, (mu_o,), [(1e-6,), (0.3,), (1.0,)]),
+        enclosed=lambda it: enclosures.agreement(it.means, it.equals, (mu_o,), [(1e-6,), (0.3,), (1.0,)]),
         over={mu_o: (1e-8, 1)},
         slides=(46,),
         cite="dupuy2023",

@@ -28,9 +28,9 @@ import numpy as np
 import scipy.fft
 from numpy.typing import ArrayLike, NDArray
 
-from microfacet.cache import compiled
+from microfacet.compiler.cache import compiled
+from microfacet.compiler.processors import parallel_map
 from microfacet.directions import positive, whole
-from microfacet.processors import parallel_map
 
 Array = NDArray[np.float64]
 PERIODS = 6.0  # correlation lengths in a period, at least: its ends are then independent to exp(-36)

@@ -34,9 +34,9 @@ from numba.core import cgutils, types
 from numba.extending import intrinsic
 from numpy.typing import ArrayLike, NDArray
 
-from microfacet.cache import compiled
+from microfacet.compiler.cache import compiled
+from microfacet.compiler.processors import parallel_map
 from microfacet.directions import as_points
-from microfacet.processors import parallel_map
 
 Array = NDArray[np.float64]
 Singles = NDArray[np.float32]

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
 from microfacet.geometry.slopes import Distribution
-from microfacet.statement import DIGITS
+from microfacet.statements.reference import DIGITS
 from microfacet.visibility import smith
 
 Array = NDArray[Any]

@@ -19,7 +19,7 @@ from microfacet.geometry.ggx import GGX
 from microfacet.geometry.slopes import Distribution
 from microfacet.geometry.ward import Ward
 from microfacet.material.fresnel import Conductor, Dielectric, Schlick
-from microfacet.statement import DIGITS
+from microfacet.statements.reference import DIGITS
 from microfacet.validation.accuracy import (
     ALPHA,
     NUMBERS,

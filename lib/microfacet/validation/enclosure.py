@@ -14,12 +14,14 @@ from typing import Any
 
 import sympy as sp
 
-from microfacet import balls
-from microfacet.balls import Ball, Enclosure, ball
 from microfacet.geometry import beckmann, blinn_phong, ggx, ward
 from microfacet.geometry.slopes import normals_integral
-from microfacet.notation import Lambda_o, a, alpha, mu_o, n, printed_symbol, q, theta_o, wm
-from microfacet.statement import Equation, expand_abbreviations
+from microfacet.statements import ball_functions, balls, enclosures
+from microfacet.statements.balls import Ball, ball
+from microfacet.statements.enclosures import Enclosure
+from microfacet.statements.notation import Lambda_o, a, alpha, mu_o, n, printed_symbol, q, theta_o, wm
+from microfacet.statements.registry import registry
+from microfacet.statements.statement import Equation
 
 ROUGH = (1e-4, 0.1, 1.0, 10.0)
 POWERS = (0.5, 10.0, 1e4)
@@ -82,13 +84,13 @@ class Slopes:
 @cache
 def _integral(level: sp.Expr, tilted: sp.Expr, shape: sp.Symbol) -> Callable[..., Ball]:
     inside = sp.Integral(CONSTANT * level + SLOPE * tilted, (w, LOW, HIGH))
-    return balls.evaluator(inside, (CONSTANT, SLOPE, shape, LOW, HIGH))
+    return ball_functions.evaluator(inside, (CONSTANT, SLOPE, shape, LOW, HIGH))
 
 
 @cache
 def _function(statement: Equation, *arguments: sp.Symbol) -> Callable[..., Ball]:
     """The closed form of a statement as a function of balls."""
-    return balls.evaluator(statement.equals, arguments)
+    return ball_functions.evaluator(statement.equals, arguments)
 
 
 def _beckmann_Lambda(alpha: Ball, tangent: Ball) -> Ball:
@@ -147,7 +149,7 @@ STUDENT = Slopes(
     level=_NORM * sp.cos(w) ** (n + 1),
     tilted=_NORM * sp.cos(w) ** n * sp.sin(w),
     end=sp.pi / 2,
-    hidden=expand_abbreviations(
+    hidden=registry.expand(
         blinn_phong.Lambda.equals.doit().subs(dict(zip(blinn_phong.Lambda.arguments, (COTANGENT, n, _NORM), strict=True)))
     ),
     Lambda=_student_Lambda,
@@ -181,7 +183,7 @@ def cavity_residual(slopes: Slopes, shape: Ball, degrees: Ball) -> Ball:
 
 
 def _enclosed(residual: Callable[[Slopes, Ball, Ball], Ball], slopes: Slopes) -> list[Enclosure]:
-    return balls.at(lambda **point: residual(slopes, point[str(slopes.shape)], point["degrees"]), slopes.points)
+    return enclosures.at(lambda **point: residual(slopes, point[str(slopes.shape)], point["degrees"]), slopes.points)
 
 
 def visible_fraction(masking: str, over: str) -> sp.Symbol:
@@ -311,11 +313,11 @@ with sp.evaluate(False):
 
 def _phong_enclosed(closed: sp.Expr) -> list[Enclosure]:
     """Integral minus closed form, at exponents down to 0.5 and up to 10^4, and at the one that passes."""
-    area = balls.evaluator(blinn_phong.cosine_power, (n,))
-    excess = balls.evaluator(closed, (n,))
-    with balls.precision(balls.ENCLOSING):
+    area = ball_functions.evaluator(blinn_phong.cosine_power, (n,))
+    excess = ball_functions.evaluator(closed, (n,))
+    with balls.precision(enclosures.ENCLOSING):
         exponents = [*(ball(e) for e in POWERS), 2 * balls.pi() - 2]
-    return balls.at(lambda n: area(n) - 1 - excess(n), [{"n": e} for e in exponents])
+    return enclosures.at(lambda n: area(n) - 1 - excess(n), [{"n": e} for e in exponents])
 
 
 def _ward_steps() -> list[Any]:
@@ -331,7 +333,7 @@ ward_area = Equation(
     relation="<",
     proof=_ward_steps,
     proved_by="sympy: Ward is Beckmann times the fourth power of the cosine",
-    enclosed=lambda it: [balls.over(_ward_residual, alpha=(0.05, 1))],
+    enclosed=lambda it: [enclosures.over(_ward_residual, alpha=(0.05, 1))],
     slides=(35, 36, 55),
     cite="ward1992",
     note="For every roughness, isotropic or not; the enclosure says by how much, for alpha between 0.05 and 1.",
@@ -384,14 +386,14 @@ IMPLICIT_UP_TO, SCHLICK_UP_TO = sp.sqrt(2), 2 * SCHLICK_K  # the largest alpha f
 
 def _closed_enclosed(masking: sp.Expr, stated: sp.Expr, alphas: tuple[float, ...]) -> list[Enclosure]:
     """Integral over slopes times the masking function, less 1, less the closed form."""
-    mask, excess = balls.evaluator(masking, (alpha, mu_o)), balls.evaluator(stated, (alpha, mu_o))
+    mask, excess = ball_functions.evaluator(masking, (alpha, mu_o)), ball_functions.evaluator(stated, (alpha, mu_o))
 
     def apart(alpha: Ball, mu: Ball) -> Ball:
         tangent = (1 - mu**2).sqrt() / mu
         facing = GGX.integral(1, -tangent, alpha, -ball(GGX.end), GGX.edge(alpha, tangent))
         return mask(alpha, mu) * facing - 1 - excess(alpha, mu)
 
-    return balls.at(apart, [{"alpha": a, "mu": m} for a in alphas for m in COSINES])
+    return enclosures.at(apart, [{"alpha": a, "mu": m} for a in alphas for m in COSINES])
 
 
 implicit_ggx = Equation(
@@ -453,7 +455,7 @@ def _hidden(alpha: Ball, degrees: Ball) -> Ball:
 
 @cache
 def _plain(expression: sp.Expr, *arguments: sp.Symbol) -> Callable[..., Ball]:
-    return balls.evaluator(expression, arguments)
+    return ball_functions.evaluator(expression, arguments)
 
 
 def _implicit_box(alpha: Ball, degrees: Ball) -> Ball:
@@ -488,7 +490,7 @@ implicit_beckmann = Equation(
     relation="<",
     proof=_box_steps,
     proved_by="sympy: the difference over 1 - cos theta_o in terms of a Lambda(a); its sign by balls over the whole box",
-    enclosed=lambda it: [balls.over(_implicit_box, **BOX)],
+    enclosed=lambda it: [enclosures.over(_implicit_box, **BOX)],
     slides=(58,),
     cite="hoffman2010",
     note="The difference is divided by 1 - cos theta_o, so that its sign can be told close to normal incidence, where it is 0.",
@@ -501,7 +503,7 @@ schlick_beckmann = Equation(
     relation="<",
     proof=_box_steps,
     proved_by="sympy: the difference over 1 - cos theta_o in terms of a Lambda(a); its sign by balls over the whole box",
-    enclosed=lambda it: [balls.over(_schlick_box, **BOX)],
+    enclosed=lambda it: [enclosures.over(_schlick_box, **BOX)],
     slides=(58,),
     cite="schlick1994",
     note="For k = alpha sqrt(2/pi). The difference is divided by alpha (1 - cos theta_o) G_1/cos theta_o, which is positive.",
@@ -570,7 +572,7 @@ def _cross(
         def residual(alpha: Ball, degrees: Ball) -> Ball:
             return _kelemen_box(visible_area, alpha, degrees)
 
-        return [balls.over(residual, alpha=KELEMEN_ROUGH, degrees=angles)]
+        return [enclosures.over(residual, alpha=KELEMEN_ROUGH, degrees=angles)]
 
     return Equation(
         key=key,

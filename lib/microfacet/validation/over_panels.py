@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from microfacet.arithmetic import two_sum
+from microfacet.compiler.batch import Batch
 from microfacet.geometry.panels import SQUARES, density_at, falling, rule, slopes_at
 from microfacet.geometry.slopes import Distribution
-from microfacet.kernels import Batch
 from microfacet.material.reflection import reflected
 from microfacet.visibility.masking import Masking, visible_normals
 

@@ -15,8 +15,8 @@ from typing import Any
 import sympy as sp
 
 from microfacet.geometry import ggx
-from microfacet.notation import P2, Lambda_i, Lambda_o, a, alpha, chi, mu_i, mu_o, om, printed_symbol, q, theta_o
-from microfacet.statement import Equation
+from microfacet.statements.notation import P2, Lambda_i, Lambda_o, a, alpha, chi, mu_i, mu_o, om, printed_symbol, q, theta_o
+from microfacet.statements.statement import Equation
 from microfacet.visibility import smith, unphysical
 from microfacet.visibility.unphysical import k
 

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from microfacet.compiler.kernels import Table, Vector
 from microfacet.geometry.panels import SIDE_NODES, SQUARES, Panels, rule
-from microfacet.kernels import Table, Vector
 
 MOST_NODES = SIDE_NODES + 2  # nodes along a side of a panel
 NODES, WEIGHTS = (tuple(float(x) for n in range(1, MOST_NODES + 1) for x in rule(n)[part]) for part in (0, 1))  # of all rules

@@ -12,13 +12,14 @@ from typing import Any, NamedTuple
 import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
+from microfacet.compiler.batch import Batch
+from microfacet.compiler.kernels import Parameters, Vector
 from microfacet.directions import uniform, vectors
 from microfacet.geometry.slopes import Distribution, normals_integral
 from microfacet.geometry.visible_normals import HORIZON
-from microfacet.kernels import Batch, Parameters, Vector
-from microfacet.notation import G1, D, mu_o, om, printed_symbol
 from microfacet.parameters import Parametric
-from microfacet.statement import Equation
+from microfacet.statements.notation import G1, D, mu_o, om, printed_symbol
+from microfacet.statements.statement import Equation
 
 # --- statements ---------------------------------------------------------------------------------------------------
 

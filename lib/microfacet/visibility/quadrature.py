@@ -20,8 +20,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from microfacet.compiler.batch import Batch
+from microfacet.compiler.kernels import ByPrecision, Pair, Vector
 from microfacet.geometry.roughness import SlopeScale
-from microfacet.kernels import Batch, ByPrecision, Pair, Vector
 
 LEVELS = (12, 16, 24, 32, 48, 64, 96)  # nodes along and across, rule after rule
 FIRST_POWER = ((10, 3), (12, 4), (14, 5), (16, 6))  # nodes along and across of the first rules, for tails of a power

@@ -6,9 +6,9 @@ from typing import Any
 
 import sympy as sp
 
-from microfacet import balls
-from microfacet.notation import G1, LATEX, Lambda_i, Lambda_o, phi, printed_symbol, u
-from microfacet.statement import Equation
+from microfacet.statements import enclosures
+from microfacet.statements.notation import G1, LATEX, Lambda_i, Lambda_o, phi, printed_symbol, u
+from microfacet.statements.statement import Equation
 
 OCCLUSION = (0, 1e4)
 G1_i = sp.Symbol("G1_i", nonnegative=True)
@@ -26,7 +26,7 @@ def stated(name: str) -> sp.Symbol:
 
 with sp.evaluate(False):
     separable = Equation(
-        key="brdf.shadowing.separable",
+        key="visibility.shadowing.separable",
         title="masking and shadowing independent",
         symbol=stated("separable"),
         means=G1 * G1_i,
@@ -38,12 +38,12 @@ with sp.evaluate(False):
         cite="heitz2014, eq. 98",
     )
     height = Equation(
-        key="brdf.shadowing.height",
+        key="visibility.shadowing.height",
         title="masking and shadowing correlated by the height of the facet",
         symbol=stated("height"),
         means=sp.Integral(u**Lambda_o * u**Lambda_i, (u, 0, 1)),
         equals=1 / (1 + Lambda_o + Lambda_i),
-        enclosed=lambda it: balls.agreement(
+        enclosed=lambda it: enclosures.agreement(
             it.means, it.equals, (Lambda_o, Lambda_i), [(0.0, 0.0), (0.25, 0.5), (1.0, 3.0), (1e3, 0.1)]
         ),
         over={Lambda_o: OCCLUSION, Lambda_i: OCCLUSION},
@@ -52,7 +52,7 @@ with sp.evaluate(False):
         note="A facet at height quantile u is seen with probability u to the Lambda, whatever the distribution of heights.",
     )
     correlation = Equation(
-        key="brdf.shadowing.lambda",
+        key="visibility.shadowing.lambda",
         title="how far apart in azimuth the two directions are",
         symbol=sp.Function("lambda")(phi),
         equals=DEGREES_OF_CORRELATION * phi / (DEGREES_OF_CORRELATION * phi + 1),
@@ -62,7 +62,7 @@ with sp.evaluate(False):
         note="Measured by van Ginneken et al.: 0 for the same azimuth, near 1 beyond a radian.",
     )
     direction = Equation(
-        key="brdf.shadowing.direction",
+        key="visibility.shadowing.direction",
         title="masking and shadowing correlated by direction",
         symbol=stated("direction"),
         equals=blend / ((1 + Lambda_o) * (1 + Lambda_i)) + (1 - blend) / (1 + sp.Max(Lambda_o, Lambda_i)),
@@ -72,7 +72,7 @@ with sp.evaluate(False):
         note="From the smaller of both G1 where the directions agree to their product where they do not.",
     )
     height_direction = Equation(
-        key="brdf.shadowing.height_direction",
+        key="visibility.shadowing.height_direction",
         title="masking and shadowing correlated by height and direction",
         symbol=stated("height_direction"),
         equals=1 / (1 + sp.Max(Lambda_o, Lambda_i) + blend * sp.Min(Lambda_o, Lambda_i)),
@@ -109,7 +109,7 @@ def _touch(it: Equation, symbol: sp.Symbol, value: int) -> list[Any]:
 with sp.evaluate(False):
     _SMALLER = 1 / (1 + sp.Max(Lambda_o, Lambda_i))
     smaller = Equation(
-        key="brdf.shadowing.smaller",
+        key="visibility.shadowing.smaller",
         title="the smaller of both masking functions",
         symbol=sp.Min(G1, G1_i),
         equals=_SMALLER,
@@ -122,7 +122,7 @@ with sp.evaluate(False):
         cite="heitz2014",
     )
     heights_help = Equation(
-        key="brdf.shadowing.height_above_separable",
+        key="visibility.shadowing.height_above_separable",
         title="correlation by height never shadows more than none",
         symbol=separable.equals,
         equals=height.equals,
@@ -133,7 +133,7 @@ with sp.evaluate(False):
         cite="heitz2014",
     )
     direction_helps = Equation(
-        key="brdf.shadowing.height_direction_above_height",
+        key="visibility.shadowing.height_direction_above_height",
         title="correlation by direction as well never shadows more",
         symbol=height.equals,
         equals=height_direction.equals,
@@ -144,7 +144,7 @@ with sp.evaluate(False):
         cite="heitz2014",
     )
     bound = Equation(
-        key="brdf.shadowing.height_direction_bound",
+        key="visibility.shadowing.height_direction_bound",
         title="light and viewer together see no more than the one that sees less",
         symbol=height_direction.equals,
         equals=sp.Min(G1, G1_i),
@@ -156,7 +156,7 @@ with sp.evaluate(False):
         cite="heitz2014",
     )
     direction_bound = Equation(
-        key="brdf.shadowing.direction_bound",
+        key="visibility.shadowing.direction_bound",
         title="the same for correlation by direction",
         symbol=direction.equals,
         equals=sp.Min(G1, G1_i),
@@ -172,7 +172,7 @@ with sp.evaluate(False):
         cite="ashikhmin2000; heitz2014",
     )
     near = Equation(
-        key="brdf.shadowing.same_azimuth",
+        key="visibility.shadowing.same_azimuth",
         title="from the same azimuth, what one direction sees the other sees, or less",
         symbol=printed_symbol("G2_near", r"\lim_{\lambda \to 0} G_2(\omega_o, \omega_i, \omega_m)"),
         equals=sp.Min(G1, G1_i),
@@ -186,7 +186,7 @@ with sp.evaluate(False):
         cite="ashikhmin2000; heitz2014",
     )
     far_direction = Equation(
-        key="brdf.shadowing.far_direction",
+        key="visibility.shadowing.far_direction",
         title="far apart, correlation by direction leaves masking and shadowing independent",
         symbol=printed_symbol("G2_far_direction", r"\lim_{\lambda \to 1} G_2(\omega_o, \omega_i, \omega_m)"),
         equals=separable.equals,
@@ -196,7 +196,7 @@ with sp.evaluate(False):
         cite="ashikhmin2000",
     )
     far_heights = Equation(
-        key="brdf.shadowing.far_height_direction",
+        key="visibility.shadowing.far_height_direction",
         title="far apart, correlation by height is left",
         symbol=printed_symbol("G2_far_heights", r"\lim_{\lambda \to 1} G_2(\omega_o, \omega_i, \omega_m)"),
         equals=height.equals,

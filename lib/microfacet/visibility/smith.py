@@ -11,18 +11,34 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
-from microfacet import balls
+from microfacet.compiler.kernels import ByPrecision, Pair, Vector
 from microfacet.directions import one_of, vectors
 from microfacet.geometry import beckmann, ggx
 from microfacet.geometry.ggx import ROUGHNESS
 from microfacet.geometry.roughness import SlopeScale
 from microfacet.geometry.slopes import Distribution, lambda_batch
 from microfacet.geometry.ward import Ward
-from microfacet.kernels import ByPrecision, Pair, Vector
-from microfacet.notation import P2, Lambda_o, alpha, alpha_x, alpha_y, chi, mu_o, om, printed_symbol, q, theta_o, u, v, wo, y
-from microfacet.notation import alpha_o as roughness_o
-from microfacet.proofs import residuals_of_forms
-from microfacet.statement import Equation
+from microfacet.statements import enclosures
+from microfacet.statements.notation import (
+    P2,
+    Lambda_o,
+    alpha,
+    alpha_x,
+    alpha_y,
+    chi,
+    mu_o,
+    om,
+    printed_symbol,
+    q,
+    theta_o,
+    u,
+    v,
+    wo,
+    y,
+)
+from microfacet.statements.notation import alpha_o as roughness_o
+from microfacet.statements.proofs import residuals_of_forms
+from microfacet.statements.statement import Equation
 from microfacet.visibility import shadowing
 from microfacet.visibility.hidden import Panelled, panels_Lambda, table_of
 from microfacet.visibility.masking import Masking, ModelParameters, dot, hidden, seen
@@ -43,7 +59,7 @@ CORRELATIONS = ("height", "none", "direction", "height-direction")
 
 with sp.evaluate(False):
     alpha_o = Equation(
-        key="anisotropy.alpha_o",
+        key="visibility.smith.alpha_o",
         title="roughness along the view direction",
         symbol=sp.Symbol("alpha_o"),
         equals=sp.sqrt(sp.cos(wo.phi) ** 2 * alpha_x**2 + sp.sin(wo.phi) ** 2 * alpha_y**2),
@@ -136,7 +152,7 @@ with sp.evaluate(False):
         equals=u**Lambda_o,
         proof=lambda it: _survival_steps(it),
         proved_by="sympy: it solves ds/s = Lambda du/u and is 1 at the top",
-        enclosed=lambda it: balls.agreement(it.means, it.equals, (Lambda_o, u), [(0.25, 0.5), (1.0, 1e-6), (1e3, 0.9)]),
+        enclosed=lambda it: enclosures.agreement(it.means, it.equals, (Lambda_o, u), [(0.25, 0.5), (1.0, 1e-6), (1e3, 0.9)]),
         over={Lambda_o: (0, 100), u: (0.01, 1)},
         slides=(39, 40),
         cite="smith1967; heitz2014",
@@ -148,7 +164,7 @@ with sp.evaluate(False):
         symbol=printed_symbol("G1_heights", r"G_1(\omega_o, \omega_m)"),
         means=sp.Integral(u**Lambda_o, (u, 0, 1)),
         equals=1 / (1 + Lambda_o),
-        enclosed=lambda it: balls.agreement(it.means, it.equals, (Lambda_o,), [(0.0,), (0.25,), (1.0,), (1e3,)]),
+        enclosed=lambda it: enclosures.agreement(it.means, it.equals, (Lambda_o,), [(0.0,), (0.25,), (1.0,), (1e3,)]),
         over={Lambda_o: (0, 1e8)},
         slides=(39, 40),
         cite="heitz2014",
@@ -367,7 +383,7 @@ class Smith(Masking):
               {1 + \Lambda(\omega_o) + \Lambda(\omega_i)}
 
     the latter correlated by height. Lambda is a closed form where the distribution has one, otherwise a quadrature.
-    Statements ``visibility.smith.G1`` and ``brdf.shadowing.height``.
+    Statements ``visibility.smith.G1`` and ``visibility.shadowing.height``.
 
     Parameters
     ----------

@@ -9,9 +9,9 @@ from typing import Any
 
 import sympy as sp
 
-from microfacet import balls
 from microfacet.geometry import beckmann, ggx, slopes
-from microfacet.notation import (
+from microfacet.statements import enclosures
+from microfacet.statements.notation import (
     G1,
     P2,
     P22,
@@ -33,9 +33,9 @@ from microfacet.notation import (
     x,
     y,
 )
-from microfacet.notation import alpha_o as roughness_o
-from microfacet.proofs import residuals_of_forms, under_integral
-from microfacet.statement import Equation
+from microfacet.statements.notation import alpha_o as roughness_o
+from microfacet.statements.proofs import residuals_of_forms, under_integral
+from microfacet.statements.statement import Equation
 from microfacet.visibility import masking, v_cavity
 
 across = sp.Symbol("r", real=True)  # a slope across the view
@@ -162,7 +162,7 @@ def turned(aside: sp.Expr) -> dict[sp.Symbol, sp.Expr]:
     return {x: c * q - s * aside, y: s * q + c * aside}
 
 
-def _marginal_enclosed(it: Equation) -> list[balls.Enclosure]:
+def _marginal_enclosed(it: Equation) -> list[enclosures.Enclosure]:
     """Both families: the integral over the slope across, in pairs around its centre, against P2 of roughness alpha_o."""
     rho = sp.Symbol("rho", positive=True)
     found = []
@@ -174,9 +174,9 @@ def _marginal_enclosed(it: Equation) -> list[balls.Enclosure]:
         hill, closed = family.P22.equals.doit(), it.equals.subs(P2(q / roughness_o), unit)
         pair = sum(hill.subs(turned(_centre() + sign * rho), simultaneous=True) for sign in (1, -1))
         cut = reach * alpha_x * alpha_y / roughness_o
-        form = under_integral(it, balls.truncated(sp.Integral(pair, (rho, 0, sp.oo)), cut, closed * tail))
+        form = under_integral(it, enclosures.truncated(sp.Integral(pair, (rho, 0, sp.oo)), cut, closed * tail))
         put = {roughness_o: sp.sqrt(ALONG)}
-        found += balls.agreement(form.subs(put), closed.subs(put), (q, phi_o, alpha_x, alpha_y), POINTS)
+        found += enclosures.agreement(form.subs(put), closed.subs(put), (q, phi_o, alpha_x, alpha_y), POINTS)
     return found
 
 
@@ -206,7 +206,7 @@ def _sight_steps(it: Equation) -> list[Any]:
 
 with sp.evaluate(False):
     slope = Equation(
-        key="anisotropy.slope",
+        key="visibility.stretching.slope",
         title="the slope of a stretched surface",
         symbol=printed_symbol("slope_stretched", r"\tilde{x}'(x, y)"),
         means=chained,
@@ -217,7 +217,7 @@ with sp.evaluate(False):
         cite="heitz2014",
     )
     density = Equation(
-        key="anisotropy.P22",
+        key="visibility.stretching.P22",
         title="the distribution of slopes of a stretched surface",
         symbol=STRETCHED_P22,
         equals=slopes.stretched(P22),
@@ -227,7 +227,7 @@ with sp.evaluate(False):
         cite="heitz2014",
     )
     turned_towards = Equation(
-        key="anisotropy.facing",
+        key="visibility.stretching.facing",
         title="how far a facet is turned to the viewer does not change by stretching",
         symbol=facing_after,
         means=facing_before,
@@ -239,7 +239,7 @@ with sp.evaluate(False):
         cite="heitz2014",
     )
     argument = Equation(
-        key="anisotropy.a",
+        key="visibility.stretching.a",
         title="Smith's masking does not change by stretching",
         symbol=printed_symbol("a_stretched", r"a'"),
         means=sight[2] / sp.sqrt((alpha_x * sight[0]) ** 2 + (alpha_y * sight[1]) ** 2),
@@ -250,7 +250,7 @@ with sp.evaluate(False):
         cite="heitz2014",
     )
     cavity = Equation(
-        key="anisotropy.v_cavity",
+        key="visibility.stretching.v_cavity",
         title="the masking of V-cavities does not change by stretching",
         symbol=printed_symbol("G1_stretched", r"G_1(\omega_o', \omega_m')"),
         equals=masked_before,
@@ -260,7 +260,7 @@ with sp.evaluate(False):
         cite="heitz2014",
     )
     visible = Equation(
-        key="anisotropy.visible_normals",
+        key="visibility.stretching.visible_normals",
         title="stretching moves visible normals and does not change their shares",
         symbol=shares_after,
         equals=shares_before,
@@ -271,7 +271,7 @@ with sp.evaluate(False):
         note="For any masking function that is the same before and after, such as Smith's and that of V-cavities.",
     )
     unstretched = Equation(
-        key="anisotropy.sight",
+        key="visibility.stretching.sight",
         title="slope of the line of sight after unstretching",
         symbol=printed_symbol("cot_unstretched", r"\cot \theta"),
         means=wo.z / sp.sqrt((alpha_x * wo.x) ** 2 + (alpha_y * wo.y) ** 2),
@@ -282,7 +282,7 @@ with sp.evaluate(False):
         cite="heitz2014",
     )
     marginal = Equation(
-        key="anisotropy.P2",
+        key="visibility.stretching.P2",
         title="slopes along the view are those of an isotropic surface of roughness alpha_o",
         symbol=printed_symbol("P2_stretched", r"P_2'(q)"),
         means=sp.Integral(turned_P22, (across, -sp.oo, sp.oo)),

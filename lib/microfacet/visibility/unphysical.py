@@ -9,13 +9,13 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
+from microfacet.compiler.kernels import Vector
 from microfacet.directions import positive
 from microfacet.geometry import ggx
 from microfacet.geometry.slopes import Distribution, alpha_of
-from microfacet.kernels import Vector
-from microfacet.notation import Lambda_o, a, chi, im, mu_i, mu_o, om, printed_symbol
 from microfacet.parameters import double, each, together
-from microfacet.statement import Equation
+from microfacet.statements.notation import Lambda_o, a, chi, im, mu_i, mu_o, om, printed_symbol
+from microfacet.statements.statement import Equation
 from microfacet.visibility.masking import Masking, ModelParameters
 
 k = sp.Symbol("k", nonnegative=True)
@@ -33,7 +33,7 @@ with sp.evaluate(False):
         cite="hoffman2010",
     )
     implicit_G2 = Equation(
-        key="brdf.implicit.G2",
+        key="visibility.implicit.G2",
         title="Implicit masking and shadowing: what makes the BRDF's denominator vanish",
         symbol=printed_symbol("G2_implicit", r"G_2(\omega_o, \omega_i, \omega_m)"),
         equals=mu_o * mu_i,
@@ -52,7 +52,7 @@ with sp.evaluate(False):
         note="Kelemen and Szirmay-Kalos state G2 only; this split in two equal factors is ours.",
     )
     kelemen_G2 = Equation(
-        key="brdf.kelemen.G2",
+        key="visibility.kelemen.G2",
         title="Kelemen masking and shadowing",
         symbol=printed_symbol("G2_kelemen", r"G_2(\omega_o, \omega_i, \omega_m)"),
         equals=mu_o * mu_i / (om * im),
@@ -73,7 +73,7 @@ with sp.evaluate(False):
         cite="schlick1994",
     )
     schlick_G2 = Equation(
-        key="brdf.schlick_smith.G2",
+        key="visibility.schlick_smith.G2",
         title="Schlick's approximation of Smith's masking and shadowing",
         symbol=printed_symbol("G2_schlick", r"G_2(\omega_o, \omega_i, \omega_m)"),
         equals=mu_o / (mu_o * (1 - k) + k) * mu_i / (mu_i * (1 - k) + k),
@@ -150,7 +150,7 @@ class Implicit(Masking):
 
     .. math:: G_2(\omega_o, \omega_i, \omega_m) = \cos\theta_o \cos\theta_i
 
-    Statements ``visibility.implicit.G1`` and ``brdf.implicit.G2``.
+    Statements ``visibility.implicit.G1`` and ``visibility.implicit.G2``.
 
     Parameters
     ----------
@@ -187,7 +187,7 @@ class Kelemen(Masking):
     .. math:: G_2(\omega_o, \omega_i, \omega_m) =
               \frac{\cos\theta_o \cos\theta_i}{(\omega_o \cdot \omega_m)(\omega_i \cdot \omega_m)}
 
-    The split into two equal factors G1 is this library's. Statements ``visibility.kelemen.G1`` and ``brdf.kelemen.G2``.
+    The split into two equal factors G1 is this library's. Statements ``visibility.kelemen.G1`` and ``visibility.kelemen.G2``.
 
     Parameters
     ----------
@@ -223,7 +223,7 @@ class SchlickSmith(Masking):
 
     .. math:: G_1(\omega_o, \omega_m) = \frac{\chi^{+}(\omega_o \cdot \omega_m) \cos\theta_o}{(1 - k) \cos\theta_o + k}
 
-    and G2 is the product for both directions. Statements ``visibility.schlick_smith.G1`` and ``brdf.schlick_smith.G2``.
+    and G2 is the product for both directions. Statements ``visibility.schlick_smith.G1`` and ``visibility.schlick_smith.G2``.
 
     Parameters
     ----------

@@ -6,10 +6,10 @@ from typing import Any
 
 import sympy as sp
 
-from microfacet.kernels import Vector
-from microfacet.notation import chi, gm, im, mu_i, mu_o, om, printed_symbol, wm, wo
-from microfacet.proofs import residuals_of_forms
-from microfacet.statement import Equation
+from microfacet.compiler.kernels import Vector
+from microfacet.statements.notation import chi, gm, im, mu_i, mu_o, om, printed_symbol, wm, wo
+from microfacet.statements.proofs import residuals_of_forms
+from microfacet.statements.statement import Equation
 from microfacet.visibility.masking import Masking, ModelParameters
 
 facing = printed_symbol("o_dot_m", r"\left( \omega_o \cdot \omega_m \right)", real=True)
@@ -99,7 +99,7 @@ with sp.evaluate(False):
         note="Needs a distribution with D(theta, phi) = D(theta, phi + pi): every facet has its opposite.",
     )
     G2 = Equation(
-        key="brdf.v_cavity.G2",
+        key="visibility.v_cavity.G2",
         title="masking and shadowing in a V-cavity",
         symbol=printed_symbol("G2_v_cavity", r"G_2(\omega_o, \omega_i, \omega_m)"),
         equals=chi(om) * chi(im) * sp.Min(1, 2 * gm * mu_o / om, 2 * gm * mu_i / im),
@@ -128,7 +128,7 @@ class VCavity(Masking):
               \frac{2 (\omega_m \cdot \omega_g)(\omega_o \cdot \omega_g)}{\omega_o \cdot \omega_m},
               \frac{2 (\omega_m \cdot \omega_g)(\omega_i \cdot \omega_g)}{\omega_i \cdot \omega_m} \right)
 
-    for microfacets turned to both directions. Statements ``visibility.v_cavity.G1`` and ``brdf.v_cavity.G2``.
+    for microfacets turned to both directions. Statements ``visibility.v_cavity.G1`` and ``visibility.v_cavity.G2``.
 
     Parameters
     ----------

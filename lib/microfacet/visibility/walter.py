@@ -8,11 +8,13 @@ from math import ceil
 
 import sympy as sp
 
-from microfacet import balls
-from microfacet.balls import Ball, Enclosure
 from microfacet.geometry import beckmann
-from microfacet.notation import a, printed_symbol
-from microfacet.statement import Equation, reference
+from microfacet.statements import ball_functions, balls, enclosures
+from microfacet.statements.balls import Ball
+from microfacet.statements.enclosures import Enclosure
+from microfacet.statements.notation import a, printed_symbol
+from microfacet.statements.reference import reference
+from microfacet.statements.statement import Equation
 
 END = sp.Rational(8, 5)  # from here on the fit is 1
 ERROR = sp.Rational(32, 10000)
@@ -62,7 +64,7 @@ with sp.evaluate(False):
         relation=">",
         proof=lambda it: [fit.equals.doit().subs(a, root) - it.equals for root in sp.solve(_fitted_Lambda(), a)],
         proved_by="sympy: the fit is 1 where its Lambda is 0; its sign beyond by balls",
-        enclosed=lambda it: [balls.over(lambda **at: _fitted(at["a"]) - balls.ball(it.equals), a=(ABOVE, float(END)))],
+        enclosed=lambda it: [enclosures.over(lambda **at: _fitted(at["a"]) - balls.ball(it.equals), a=(ABOVE, float(END)))],
         slides=(58, 62),
         cite="walter2007",
     )
@@ -70,7 +72,7 @@ with sp.evaluate(False):
 
 @cache
 def _compiled(expression: sp.Expr) -> Callable[..., Ball]:
-    return balls.evaluator(expression, (a,))
+    return ball_functions.evaluator(expression, (a,))
 
 
 def _fitted(argument: Ball) -> Ball:
@@ -92,6 +94,6 @@ def largest(steps: int = 800) -> float:
 
 def _bounded(it: Equation) -> list[Enclosure]:
     apart, limit = _compiled(ratio() - 1), balls.ball(it.equals)
-    beyond = balls.evaluator(beckmann.Lambda.equals, (a,))
-    inside = balls.over(lambda **at: abs(apart(at["a"])) - limit, a=(0, float(END)))
-    return [inside, *balls.at(lambda **at: beyond(at["a"]) - limit, [{"a": float(END)}])]
+    beyond = ball_functions.evaluator(beckmann.Lambda.equals, (a,))
+    inside = enclosures.over(lambda **at: abs(apart(at["a"])) - limit, a=(0, float(END)))
+    return [inside, *enclosures.at(lambda **at: beyond(at["a"]) - limit, [{"a": float(END)}])]

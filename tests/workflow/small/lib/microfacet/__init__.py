@@ -5,7 +5,7 @@ from typing import Any
 
 __version__ = "0.0.1"
 
-PUBLIC = {"GGX": "geometry.ggx", "equations": "statement"}
+PUBLIC = {"GGX": "geometry.ggx", "equations": "statements.statement"}
 
 
 def __getattr__(name: str) -> Any:

@@ -4,7 +4,7 @@ import json
 import sys
 from pathlib import Path
 
-from microfacet.statement import equations
+from microfacet.statements.statement import equations
 
 *keys, _, _, _, out = sys.argv[2:]
 Path(out).write_text(json.dumps({key: equations[key].check() for key in keys}))

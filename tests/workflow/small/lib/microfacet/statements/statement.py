@@ -25,7 +25,9 @@ class Equation:
             "measured": {"float64": {"ulps": worst * 2**52, "at": "a", "promised": 1.0}},
         }
         verdict, message = (
-            ("pass", "") if worst < 1e-12 else ("fail", f"{self.key} (microfacet.statement): numeric: {numeric['detail']}")
+            ("pass", "")
+            if worst < 1e-12
+            else ("fail", f"{self.key} (microfacet.statements.statement): numeric: {numeric['detail']}")
         )
         none = {"status": "none", "detail": ""}
         proof = {"status": "pass" if self.closed != "1" else "none", "detail": "", "measured": {"claims": 1}}
@@ -36,12 +38,7 @@ class Equation:
 LAMBDA = "(sqrt(1 + 1 / a**2) - 1) / 2"
 
 
-class Equations(dict[str, Equation]):
-    def fingerprints(self) -> dict[str, str]:
-        return {key: f"{e.closed} {e.kernel}" for key, e in self.items()}
-
-
-equations = Equations()
+equations: dict[str, Equation] = {}
 for one in (
     Equation("geometry.area", "Projected area", (35, 36), "heitz2014", r"\int D(\omega_m)\, d\omega_m = 1", "1", "1"),
     Equation("visibility.G1", "masking", (39,), "smith1967; heitz2014", r"G_1 = \frac{1}{1 + \Lambda}", "a", "a"),

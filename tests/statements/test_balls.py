@@ -7,9 +7,10 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from microfacet import balls, checks
-from microfacet.notation import chi
-from microfacet.statement import equations, multiprecision, reference
+from microfacet.statements import ball_functions, balls, checks, enclosures
+from microfacet.statements.notation import chi
+from microfacet.statements.reference import multiprecision, reference
+from microfacet.statements.statement import equations
 
 pytest.importorskip("flint")
 COMPUTED = [key for key, e in equations.items() if checks.is_computed(e)]
@@ -23,7 +24,7 @@ def in_normal_range(value: mpmath.mpf) -> bool:
 @pytest.mark.parametrize("key", COMPUTED)
 def test_every_reference_is_proved(key):
     equation = equations[key]
-    assert balls.exact(equation.computed, equation.arguments)
+    assert ball_functions.exact(equation.computed, equation.arguments)
 
 
 @pytest.mark.parametrize("key", COMPUTED)
@@ -61,7 +62,7 @@ FUNCTIONS = [
 
 @pytest.mark.parametrize("expression", FUNCTIONS, ids=str)
 def test_functions_agree_with_mpmath(expression):
-    value, light = balls.exact(expression, [x])(1.375), multiprecision(expression, [x])(1.375)
+    value, light = ball_functions.exact(expression, [x])(1.375), multiprecision(expression, [x])(1.375)
     with mpmath.workdps(70):
         assert abs(value - light) <= 2 * abs(value) * mpmath.mpf(10) ** -50
 
@@ -71,34 +72,34 @@ def test_functions_agree_with_mpmath(expression):
 def test_gauss_series_lies_in_arbs_ball(n, z):
     with balls.precision(256):
         a, b, c, argument = map(balls.ball, (2, n + 1, (n + 4) / 2, z))
-        mine, theirs = balls.gauss_series(a, b, c, argument), argument.hypgeom_2f1(a, b, c)
+        mine, theirs = ball_functions.gauss_series(a, b, c, argument), argument.hypgeom_2f1(a, b, c)
         assert mine.overlaps(theirs)
         assert mine.rel_accuracy_bits() > 200
 
 
 def test_cancellation_costs_precision_not_digits():
-    small = balls.exact(sp.exp(x) - 1 - x - x**2 / 2, [x])(1e-40)
+    small = ball_functions.exact(sp.exp(x) - 1 - x - x**2 / 2, [x])(1e-40)
     with mpmath.workdps(70):
         assert abs(small / (mpmath.mpf(1e-40) ** 3 / 6) - 1) < mpmath.mpf(10) ** -39
 
 
 def test_an_argument_at_a_jump_is_exact():
-    assert balls.exact(chi(x), [x])(0.0) == 0
-    assert balls.exact(chi(x), [x])(1e-300) == 1
+    assert ball_functions.exact(chi(x), [x])(0.0) == 0
+    assert ball_functions.exact(chi(x), [x])(1e-300) == 1
 
 
 def test_what_has_no_digits_is_refused():
     with pytest.raises(ArithmeticError, match="no 50 digits"):
-        balls.exact(sp.log(x), [x])(-1.0)
+        ball_functions.exact(sp.log(x), [x])(-1.0)
     with pytest.raises(balls.NoBall):
-        balls.evaluator(sp.zeta(x), [x])
+        ball_functions.evaluator(sp.zeta(x), [x])
     with pytest.raises(balls.NoBall, match="bounded interval"):
-        balls.evaluator(sp.Integral(sp.exp(-x), (x, 0, sp.oo)), [])
+        ball_functions.evaluator(sp.Integral(sp.exp(-x), (x, 0, sp.oo)), [])
 
 
 def test_a_ball_of_arguments_holds_all_values():
     expression = sp.sqrt(x) * sp.Max(x, p) / (1 + p**2) + x**p
-    evaluate = balls.evaluator(expression, [x, p])
+    evaluate = ball_functions.evaluator(expression, [x, p])
     box = evaluate(balls.between(0.5, 1), balls.between(0.25, 2))
     for point in itertools.product((0.5, 0.8, 1), (0.25, 1.0, 2)):
         assert box.contains(evaluate(*point))
@@ -106,24 +107,24 @@ def test_a_ball_of_arguments_holds_all_values():
 
 def test_integrals_are_enclosed():
     with balls.precision(256):
-        quarter = balls.evaluator(sp.Integral(sp.sqrt(1 - x**2), (x, 0, 1)), [])()
+        quarter = ball_functions.evaluator(sp.Integral(sp.sqrt(1 - x**2), (x, 0, 1)), [])()
         assert quarter.contains(balls.ball(sp.pi / 4))
         assert quarter.rad() < 1e-25
-        power = balls.evaluator(sp.Integral(x**p, (x, 0, 1)), [p])(0.3)
+        power = ball_functions.evaluator(sp.Integral(x**p, (x, 0, 1)), [p])(0.3)
         assert power.contains(1 / (1 + balls.ball(0.3)))
 
 
 def test_an_integral_over_a_jump_is_enclosed():
     with balls.precision(64):
-        value = balls.evaluator(sp.Integral(chi(x - sp.Rational(1, 3)), (x, 0, 1)), [])()
+        value = ball_functions.evaluator(sp.Integral(chi(x - sp.Rational(1, 3)), (x, 0, 1)), [])()
         assert value.contains(balls.ball(sp.Rational(2, 3)))
 
 
 @pytest.mark.parametrize("zero", [0.2, 0.45, 0.55, 0.8])
 def test_a_zero_anywhere_in_a_box_is_not_overlooked(zero):
     """Whichever half it lies in, nothing is proved of the sign."""
-    found = balls.over(lambda **at: at["x"] - zero, x=(0.0, 1.0))
+    found = enclosures.over(lambda **at: at["x"] - zero, x=(0.0, 1.0))
     assert found.residual.contains(0)
     assert not any(found.supports(relation) for relation in ("<", ">", r"\le", r"\ge", r"\ne"))
-    assert balls.over(lambda **at: at["x"] - zero, x=(zero + 0.01, 1.0)).supports(">")
-    assert balls.over(lambda **at: at["x"] - zero, x=(0.0, zero - 0.01)).supports("<")
+    assert enclosures.over(lambda **at: at["x"] - zero, x=(zero + 0.01, 1.0)).supports(">")
+    assert enclosures.over(lambda **at: at["x"] - zero, x=(0.0, zero - 0.01)).supports("<")

@@ -17,9 +17,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from microfacet import cache, kernels
-from microfacet.cache import SUFFIX, CacheWarning, cache_directory
-from microfacet.kernels import Batch
+from microfacet.compiler import cache, kernels, loop
+from microfacet.compiler.batch import Batch
+from microfacet.compiler.cache import SUFFIX, CacheWarning, cache_directory
 
 LIBRARY = Path(__file__).parent.parent / "lib"
 NOBODY = 65534
@@ -32,7 +32,7 @@ def cubic(x: float, p: Any) -> float:
 
 def forget() -> None:
     """What a new process would not know."""
-    kernels._machine_code.cache_clear()
+    loop.machine_code.cache_clear()
     cache._warn.cache_clear()
     cache._tidy.cache_clear()
 
@@ -71,7 +71,7 @@ def compilations(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         done.append(text)
         return genuine(text, kind)
 
-    genuine = kernels._compile
+    genuine = loop._compile
     monkeypatch.setattr(kernels, "_compile", compile_)
     return done
 

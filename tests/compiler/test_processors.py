@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
-from microfacet import processors
-from microfacet.kernels import LONG, QUICKEST, Batch
-from microfacet.processors import PIECE, QUICK, Pace, in_own_thread, parallel_map, spread, threads
+from microfacet.compiler import processors
+from microfacet.compiler.batch import LONG, QUICKEST, Batch
+from microfacet.compiler.processors import PIECE, QUICK, Pace, in_own_thread, parallel_map, spread, threads
 
 
 @pytest.mark.parametrize("count", ["1", "2", "5"])
@@ -195,7 +195,7 @@ def test_a_short_call_is_one_call_of_the_loop(monkeypatch: pytest.MonkeyPatch) -
     batch, x = Batch(tripled, [1]), np.arange(1000.0)
     for _ in range(20):  # until a quiet moment shows how quick it is
         batch([x])
-    monkeypatch.setattr("microfacet.kernels.spread", None)
+    monkeypatch.setattr("microfacet.compiler.kernels.spread", None)
     np.testing.assert_array_equal(batch([x]), 3 * x)
 
 
@@ -210,7 +210,7 @@ def test_what_is_done_apart_comes_back() -> None:
 
 WAITING = """
 import os, signal, threading, time
-from microfacet.processors import in_own_thread
+from microfacet.compiler.processors import in_own_thread
 
 def interrupt():
     time.sleep(0.5)

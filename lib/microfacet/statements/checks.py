@@ -14,9 +14,11 @@ import mpmath
 import numpy as np
 import sympy as sp
 
-from microfacet import balls
-from microfacet.notation import Direction
-from microfacet.statement import Equation, equations, expand_abbreviations, reference
+from microfacet.statements import ball_functions, balls, enclosures
+from microfacet.statements.notation import Direction
+from microfacet.statements.reference import reference
+from microfacet.statements.registry import registry
+from microfacet.statements.statement import Equation, equations
 
 POINTS = 300  # arguments at which a kernel is compared with 50 digits, in each precision
 AGREE = 30  # digits to which two forms of a statement must agree where both have 50
@@ -77,7 +79,7 @@ def vanishes(expression: Any) -> bool:
         lambda e: sp.simplify(sp.radsimp(e)),
         lambda e: sp.simplify(sp.expand(sp.expand_trig(e))),
     )
-    value = expand_abbreviations(sp.sympify(expression))
+    value = registry.expand(sp.sympify(expression))
     if disproved(value):
         return False
     value = value.doit()
@@ -90,7 +92,7 @@ def disproved(expression: Any) -> bool:
     if not balls.available() or expression.has(sp.Integral):
         return False
     try:
-        value = balls.evaluator(expression, symbols)
+        value = ball_functions.evaluator(expression, symbols)
     except balls.NoBall:
         return False
     random = np.random.default_rng(0)
@@ -173,7 +175,7 @@ def enclosed(equation: Equation) -> CheckResult:
     return CheckResult("pass", _enclosed_detail(enclosures), _enclosed_figures(enclosures))
 
 
-def _enclosed_detail(enclosures: Sequence[balls.Enclosure]) -> str:
+def _enclosed_detail(enclosures: Sequence[enclosures.Enclosure]) -> str:
     if len(enclosures) == 1:
         return f"{enclosures[0].shown} for {enclosures[0].where}"
     worst = max(enclosures, key=lambda e: e.radius)
@@ -182,7 +184,7 @@ def _enclosed_detail(enclosures: Sequence[balls.Enclosure]) -> str:
     return "; ".join(f"{e.shown} for {e.where}" for e in enclosures)
 
 
-def _enclosed_figures(enclosures: Sequence[balls.Enclosure]) -> dict[str, Any]:
+def _enclosed_figures(enclosures: Sequence[enclosures.Enclosure]) -> dict[str, Any]:
     worst = max(enclosures, key=lambda e: e.radius)
     figures: dict[str, Any] = {"radius": worst.radius, "at": worst.where, "count": len(enclosures)}
     if not any(e.residual.contains(0) for e in enclosures):

@@ -14,7 +14,7 @@ SHARE = st.floats(0, 1)
 
 
 def stated(name: str, *arguments: float) -> float:
-    return mf.equations[f"brdf.shadowing.{name}"].scalar(*arguments)
+    return mf.equations[f"visibility.shadowing.{name}"].scalar(*arguments)
 
 
 @given(o=LAMBDA, i=LAMBDA, blend=SHARE)

@@ -6,7 +6,7 @@ import re
 
 import pytest
 import sympy as sp
-from microfacet.notation import chi, im, latex, om, printed_symbol
+from microfacet.statements.notation import chi, im, latex, om, printed_symbol
 
 x, y, theta = sp.symbols("x y theta", positive=True)
 w = sp.Symbol("w", real=True)

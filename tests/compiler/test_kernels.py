@@ -17,8 +17,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import mutually_broadcastable_shapes
 from microfacet.arithmetic import cosine_and_sine, exp_minus_square, exp_minus_squares, two_product, two_sum
+from microfacet.compiler.batch import Batch
+from microfacet.compiler.kernels import ByPrecision, Count, Table, packed, source
+from microfacet.compiler.loop import layout
 from microfacet.directions import points, uniform
-from microfacet.kernels import Batch, ByPrecision, Count, Table, layout, packed, source
 
 HALF = 0.5
 CHUNK = 16384
@@ -349,7 +351,7 @@ import json, sys
 import numpy as np
 from typing import NamedTuple
 from numba.core import event
-from microfacet.kernels import Batch
+from microfacet.compiler.batch import Batch
 
 class Line(NamedTuple):
     {fields}

@@ -11,9 +11,9 @@ from pathlib import Path
 import ledger
 import microfacet as mf
 import pytest
-from microfacet import checks
+from microfacet.statements import checks
 
-KEPT = json.loads((Path(__file__).parents[1] / "records/ledger.json").read_text("utf-8"))
+KEPT = json.loads((Path(__file__).parents[2] / "records/ledger.json").read_text("utf-8"))
 
 
 @pytest.mark.parametrize("key", mf.equations)

@@ -1,0 +1,1 @@
+"""From kernels, functions of plain floats, to compiled loops over arrays."""

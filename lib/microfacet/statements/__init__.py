@@ -1,0 +1,1 @@
+"""What a statement is, and how it is printed, evaluated, proved and enclosed."""
