@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from microfacet.brdf import compensation, random_walk, specular
+from microfacet.brdf import compensation, reflectance, walk
 from microfacet.enough import cost
 from microfacet.enough.candidates import Candidate, candidates_for
 from microfacet.enough.scene import PRECISIONS, Scene, normals_by_name
@@ -22,9 +22,9 @@ SIZES, WALK_SIZES = (2 * 10**5,), (2 * 10**3,)
 
 
 def _code(one: Candidate, material: Fresnel) -> tuple[Any, ...]:
-    more = {"none": (), "walk": (random_walk.connections,)}.get(one.compensation, (compensation.compensated,))
+    more = {"none": (), "walk": (walk.connections,)}.get(one.compensation, (compensation.compensated,))
     brdf = one.brdf(material, cost.TIMED)
-    return type(brdf.model.ndf), type(brdf.model), type(brdf.fresnel), specular, *more
+    return type(brdf.model.ndf), type(brdf.model), type(brdf.fresnel), reflectance, *more
 
 
 def _error(one: Candidate, material: Fresnel) -> Callable[[int], float]:

@@ -36,10 +36,10 @@ def compute() -> dict:
         data[f"{name}_views"] = np.array([lost(ndf, alpha, views) for alpha in ALPHA]).T
         data[f"{name}_average"] = np.array([average(ndf, alpha) for alpha in ALPHA])
         data[f"{name}_angles"] = np.array([lost(ndf, alpha, THETA) for alpha in SHOWN])
-    exact = mf.equations["brdf.specular.anchor"].kernel
+    exact = mf.equations["brdf.microfacet.anchor"].kernel
     data["exact"] = 1 - np.array([exact(np.cos(theta)) for theta in THETA])
     data["exact_views"] = 1 - np.array([exact(np.cos(theta)) for theta in np.radians(VIEWS)])
-    data["exact_average"] = np.array(1 - float(mf.equations["brdf.specular.anchor_average"].equals))
+    data["exact_average"] = np.array(1 - float(mf.equations["brdf.microfacet.anchor_average"].equals))
     found = [estimate(read(entry)["escaped"][:, [THETA_O.index(view) for view in VIEWS], 0]) for entry in ENTRIES]
     data["traced_alpha"] = np.array([CAMPAIGN[entry].family.alpha_x for entry in ENTRIES])
     data["traced"] = np.array([[1 - one.value, one.error] for one in found])

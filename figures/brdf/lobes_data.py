@@ -3,7 +3,7 @@
 import sys
 
 import numpy as np
-from microfacet.brdf.specular import Microfacet
+from microfacet.brdf.microfacet import Microfacet
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX

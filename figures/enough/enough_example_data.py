@@ -8,7 +8,8 @@ import numpy as np
 from microfacet.confidence import ODDS
 from microfacet.enough import cost
 from microfacet.enough.candidates import maskings
-from microfacet.enough.choice import MEASURES, Comparison, choice
+from microfacet.enough.choice import MEASURES, choice
+from microfacet.enough.comparison import Comparison
 from microfacet.enough.scene import Scene
 from report.datafile import rounded, store
 

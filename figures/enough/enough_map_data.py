@@ -7,7 +7,8 @@ import microfacet as mf
 import numpy as np
 from microfacet.enough import cost
 from microfacet.enough.candidates import Candidate, maskings
-from microfacet.enough.choice import MEASURES, Comparison, cheapest_first
+from microfacet.enough.choice import MEASURES, cheapest_first
+from microfacet.enough.comparison import Comparison
 from microfacet.enough.scene import Scene
 from report.datafile import rounded, store
 

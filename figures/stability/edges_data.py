@@ -5,7 +5,7 @@ import sys
 import mpmath
 import numpy as np
 from faulty import distances, ggx_D_cosine, rho_floored, rho_squares_first
-from microfacet.brdf.specular import Microfacet
+from microfacet.brdf.microfacet import Microfacet
 from microfacet.directions import spherical
 from microfacet.geometry.ggx import GGX
 from microfacet.statements.reference import DIGITS

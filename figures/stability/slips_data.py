@@ -4,7 +4,7 @@ import sys
 
 import numpy as np
 from faulty import axes_swapped, frame_plain, frame_signed, one_roughness, rho_both_sides, skew
-from microfacet.brdf.specular import Microfacet
+from microfacet.brdf.microfacet import Microfacet
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX

@@ -3,8 +3,8 @@
 import sys
 
 import numpy as np
+from microfacet.brdf.microfacet import Microfacet
 from microfacet.brdf.random_walk import RandomWalk
-from microfacet.brdf.specular import Microfacet
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.surface.measure import estimate

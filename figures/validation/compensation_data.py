@@ -4,8 +4,8 @@ import sys
 
 import numpy as np
 from microfacet.brdf.compensation import FORMS, Compensated
+from microfacet.brdf.microfacet import Microfacet
 from microfacet.brdf.random_walk import RandomWalk
-from microfacet.brdf.specular import Microfacet
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX

@@ -6,7 +6,7 @@ Kept with it for the report's text: the same for stretched surfaces, and for sur
 import sys
 
 import numpy as np
-from microfacet.brdf.specular import Microfacet
+from microfacet.brdf.microfacet import Microfacet
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.surface.compare import apart, coarse, folded, lobe_of, models, noise
 from microfacet.surface.measure import estimate

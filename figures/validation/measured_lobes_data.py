@@ -3,7 +3,7 @@
 import sys
 
 import numpy as np
-from microfacet.brdf.specular import Microfacet
+from microfacet.brdf.microfacet import Microfacet
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.surface.compare import apart, coarse, folded, lobe_of, noise
 from microfacet.surface.measure import estimate

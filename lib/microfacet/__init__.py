@@ -30,7 +30,7 @@ PUBLIC = {
     "Implicit": "visibility.unphysical",
     "Kelemen": "visibility.unphysical",
     "Masking": "visibility.masking",
-    "Microfacet": "brdf.specular",
+    "Microfacet": "brdf.microfacet",
     "NormalizedBlinnPhong": "geometry.blinn_phong",
     "RandomWalk": "brdf.random_walk",
     "Schlick": "material.fresnel",

@@ -3,8 +3,8 @@
 from microfacet.brdf.base import BRDF as BRDF
 from microfacet.brdf.compensation import Compensated as Compensated
 from microfacet.brdf.diffuse import Diffuse as Diffuse
+from microfacet.brdf.microfacet import Microfacet as Microfacet
 from microfacet.brdf.random_walk import RandomWalk as RandomWalk
-from microfacet.brdf.specular import Microfacet as Microfacet
 from microfacet.directions import half_vector as half_vector
 from microfacet.directions import reflect as reflect
 from microfacet.directions import spherical as spherical

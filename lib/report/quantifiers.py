@@ -11,21 +11,18 @@ import sympy as sp
 from microfacet.geometry import beckmann, blinn_phong, ggx
 from microfacet.statements.notation import alpha, mu_o, n
 from microfacet.statements.statement import Equation
-from microfacet.validation.enclosure import (
+from microfacet.validation.kelemen import GRAZING_ANGLES, KELEMEN_ROUGH, STEEP_ANGLES
+from microfacet.validation.slopes_along_view import TABLE_2_FAMILIES
+from microfacet.validation.unnormalized import phong, ward_area
+from microfacet.validation.unphysical import (
     BOX,
-    GRAZING_ANGLES,
     IMPLICIT_UP_TO,
-    KELEMEN_ROUGH,
     SCHLICK_UP_TO,
-    STEEP_ANGLES,
-    TABLE_2_FAMILIES,
     halved_ggx,
     implicit_beckmann,
     implicit_ggx,
-    phong,
     schlick_beckmann,
     schlick_ggx,
-    ward_area,
 )
 
 

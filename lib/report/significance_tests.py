@@ -16,7 +16,7 @@ from functools import cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from microfacet.brdf.specular import Microfacet
+from microfacet.brdf.microfacet import Microfacet
 from microfacet.confidence import Estimate
 from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
@@ -179,7 +179,7 @@ def mean_weights(*distributions: Distribution, albedo: Callable[[Microfacet, np.
 
 def exact_albedo(brdf: Microfacet, wo: np.ndarray) -> float:
     """In closed form, for GGX of alpha = 1."""
-    return float(equations["brdf.specular.anchor"].exact(float(wo[2])))
+    return float(equations["brdf.microfacet.anchor"].exact(float(wo[2])))
 
 
 # --- by statement -------------------------------------------------------------------------------------------------------
@@ -201,8 +201,8 @@ TESTS: Mapping[str, tuple[str, Callable[[], list[SignificanceTest]]]] = {
     "geometry.normalized_blinn_phong.D": (SAMPLED, lambda: sampled_by_area(NormalizedBlinnPhong(8.0))),
     "visibility.masking.D_visible": (SAMPLED, lambda: sampled_by_view(Beckmann(0.4), GGX(0.4))),
     "visibility.stretching.visible_normals": (SAMPLED, lambda: sampled_by_view(Beckmann(0.2, 0.5), GGX(0.5, 0.2))),
-    "brdf.specular.weight": (f"{SAMPLES} samples each", _weights),
-    "brdf.specular.anchor": (f"{SAMPLES} samples each", lambda: mean_weights(GGX(1.0), albedo=exact_albedo)),
+    "brdf.microfacet.weight": (f"{SAMPLES} samples each", _weights),
+    "brdf.microfacet.anchor": (f"{SAMPLES} samples each", lambda: mean_weights(GGX(1.0), albedo=exact_albedo)),
 }
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from microfacet.brdf.specular import Microfacet
+from microfacet.brdf.microfacet import Microfacet
 from microfacet.directions import spherical
 
 from benchmarks import (

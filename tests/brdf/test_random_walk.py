@@ -12,7 +12,8 @@ import microfacet as mf
 import mpmath
 import numpy as np
 import pytest
-from microfacet.brdf.random_walk import LONGEST, STRIDE, Bounces
+from microfacet.brdf.random_walk import Bounces
+from microfacet.brdf.walk import LONGEST, STRIDE
 from microfacet.compiler.batch import Batch
 from microfacet.directions import spherical
 from microfacet.geometry.facets import TRIES, gaussian_excess, gaussian_seen, ggx_facet

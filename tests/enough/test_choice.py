@@ -15,24 +15,10 @@ from microfacet.__main__ import main
 from microfacet.brdf.compensation import Compensated
 from microfacet.enough import candidates, cost
 from microfacet.enough.candidates import Candidate, candidates_for
-from microfacet.enough.choice import (
-    MEASURES,
-    Choice,
-    Comparison,
-    Error,
-    Measured,
-    Row,
-    albedo_error,
-    choice,
-    choose,
-    lobe_error,
-    quotient,
-    sampler,
-    sampler_label,
-    sky,
-    walk_error,
-)
+from microfacet.enough.choice import MEASURES, Choice, Row, choice, choose, sampler, sampler_label, walk_error
+from microfacet.enough.comparison import Comparison, Measured
 from microfacet.enough.lobes import COLUMNS, ROWS, Reference, Ruled, counted, lobe_of, nodes, surface
+from microfacet.enough.measures import Error, albedo_error, lobe_error, quotient, sky
 from microfacet.enough.scene import Point, Scene
 
 METAL = mf.Conductor(0.2, 3.9)
@@ -223,7 +209,7 @@ def test_a_quotient_is_within_its_bound() -> None:
 
 
 def test_places_of_a_sphere_turn_local_directions_to_the_viewer() -> None:
-    from microfacet.enough.choice import _axes
+    from microfacet.enough.measures import _axes
 
     for theta in (0.0, 0.4, 1.3):
         for turn in (0.0, 1.0, 4.0):
@@ -237,7 +223,7 @@ def test_places_of_a_sphere_turn_local_directions_to_the_viewer() -> None:
 @pytest.mark.parametrize("point", [Point(0.3, 0.3, 50, 0), Point(0.5, 0.2, 40, 45)])
 def test_a_picture_shows_the_light_of_the_sky(point: Point) -> None:
     """What each place of a ring sends to the viewer, against a mean over samples of the sky."""
-    from microfacet.enough.choice import RING_AZIMUTHS, _axes
+    from microfacet.enough.measures import RING_AZIMUTHS, _axes
 
     scene = Scene(0.5, point.theta, ratio=point.alpha_x / point.alpha_y, bounces="one")
     comparison = Comparison(scene, points=(point,))

@@ -365,8 +365,8 @@ class WithoutAFacet(Unguarded):
 @pytest.mark.parametrize("kind", [KeptBelow, AtTheHorizon, WithoutAFacet])
 def test_what_is_not_guarded(kind: type) -> None:
     brdf = mf.Smith(mf.GGX(0.5, 0.2))
-    assert not red("brdf/test_specular:nothing_through_the_surface", Unguarded(brdf))
-    assert red("brdf/test_specular:nothing_through_the_surface", kind(brdf))
+    assert not red("brdf/test_microfacet:nothing_through_the_surface", Unguarded(brdf))
+    assert red("brdf/test_microfacet:nothing_through_the_surface", kind(brdf))
 
 
 def test_half_vector_of_opposite_directions(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -407,7 +407,7 @@ class Gridded(mf.Microfacet):
 
 def test_grid_coarser_than_the_lobe(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(mf, "Microfacet", Gridded)
-    assert red("brdf/test_specular:narrow_lobes_are_not_missed")
+    assert red("brdf/test_microfacet:narrow_lobes_are_not_missed")
 
 
 class Unmapped(mf.Beckmann):

@@ -1,8 +1,9 @@
 """What is said of the proofs of the two tables is read off the statements that prove it."""
 
 import pytest
+from microfacet.statements import notation
 from microfacet.statements.statement import equations
-from microfacet.validation import enclosure
+from microfacet.validation import unnormalized, unphysical
 from report.quantifiers import quantifiers
 from report.tables import table_of_distributions, table_of_masking
 
@@ -14,11 +15,11 @@ def test_quantifiers_are_read_off_the_closed_forms(monkeypatch):
     said = {name: q.brief for name, q in quantifiers().items()}
     assert said["Blinn-Phong"] == r"every $n$ but $2 \pi - 2$"
     assert said["Implicit"] == said["Schlick-Smith"] == r"every view but $0^\circ$"
-    n, mu = enclosure.n, enclosure.mu_o
-    monkeypatch.setitem(enclosure.phong.__dict__, "equals", (5 - n) / (n + 2))
+    n, mu = notation.n, notation.mu_o
+    monkeypatch.setitem(unnormalized.phong.__dict__, "equals", (5 - n) / (n + 2))
     assert quantifiers()["Blinn-Phong"].brief == "every $n$ but $5$"
     for wrong in (1 + mu, 0 * mu):
-        monkeypatch.setitem(enclosure.implicit_ggx.__dict__, "equals", wrong)
+        monkeypatch.setitem(unphysical.implicit_ggx.__dict__, "equals", wrong)
         with pytest.raises(ValueError, match="does not vanish at mu_o = 1 alone"):
             quantifiers()
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import microfacet as mf
 import numpy as np
 import pytest
-from microfacet.brdf.specular import Microfacet
+from microfacet.brdf.microfacet import Microfacet
 from microfacet.confidence import Estimate
 from microfacet.directions import spherical
 from microfacet.surface.compare import normals_of

@@ -337,9 +337,9 @@ LEFT: dict[str, Callable[[], Iterator[Left]]] = {
     "visibility.shadowing.same_azimuth": here(lambda n: _blended(n, 0.0)),
     "visibility.shadowing.far_direction": here(lambda n: _blended(n, 1.0)),
     "visibility.shadowing.far_height_direction": here(lambda n: _by_both(n, 1.0)),
-    "brdf.specular.rho": here(lambda n: _rho(VIEW, LIGHT), p_light=lambda: _light_density(VIEW, LIGHT)),
-    "brdf.specular.weight": here(lambda n: _rho(VIEW, LIGHT) * LIGHT[2] / _light_density(VIEW, LIGHT)),
-    "brdf.specular.reciprocity": here(lambda n: _rho(VIEW, LIGHT), rho_io=lambda: _rho(LIGHT, VIEW)),
+    "brdf.microfacet.rho": here(lambda n: _rho(VIEW, LIGHT), p_light=lambda: _light_density(VIEW, LIGHT)),
+    "brdf.microfacet.weight": here(lambda n: _rho(VIEW, LIGHT) * LIGHT[2] / _light_density(VIEW, LIGHT)),
+    "brdf.microfacet.reciprocity": here(lambda n: _rho(VIEW, LIGHT), rho_io=lambda: _rho(LIGHT, VIEW)),
     "visibility.stretching.slope": here(
         lambda n: by_steps(lambda s: _height(AX * s, AY * n["y"]), n["x"]),
         slope_by_chain=lambda: by_steps(lambda s: _height(AX * s, AY * names()["y"]), names()["x"]),
@@ -415,8 +415,10 @@ LEFT |= {
     "visibility.shadowing.height_direction_above_height": _shadowing(lambda least, blend: least == 0 or blend == 1),
     "visibility.shadowing.height_direction_bound": _shadowing(lambda least, blend: least == 0 or blend == 0),
     "visibility.shadowing.direction_bound": _shadowing(lambda least, blend: least == 0 or blend == 0),
-    "brdf.specular.positivity": lambda: bound((_rho(VIEW, LIGHT), False), (0.0, True))(),  # the second of light from below
-    "brdf.specular.energy": bound(*((1 - mu * np.log1p(1 / mu), mu == GRAZING) for mu in (0.9, 0.1, GRAZING))),  # GGX, alpha 1
+    "brdf.microfacet.positivity": lambda: bound((_rho(VIEW, LIGHT), False), (0.0, True))(),  # the second of light from below
+    "brdf.microfacet.energy": bound(
+        *((1 - mu * np.log1p(1 / mu), mu == GRAZING) for mu in (0.9, 0.1, GRAZING))
+    ),  # GGX, alpha 1
     "validation.table1.ward": lambda: bound((_ward_area(0.5), False), (_ward_area(SMOOTH), True))(),
     "validation.table2.implicit_beckmann": bound((_masked_share(0.9, None), False), (_masked_share(NORMAL, None), True)),
     "validation.table2.schlick_smith_beckmann": bound((_masked_share(0.9, K), False), (_masked_share(NORMAL, K), True)),

@@ -19,7 +19,8 @@ from numpy.typing import ArrayLike, NDArray
 from microfacet.brdf.albedo import ROUNDING, Reflected, critical, tanh_sinh
 from microfacet.brdf.base import BRDF
 from microfacet.brdf.cosine_table import LOWEST, CosineTable, starts
-from microfacet.brdf.specular import Microfacet, mu
+from microfacet.brdf.microfacet import Microfacet
+from microfacet.brdf.reflectance import mu
 from microfacet.compiler.batch import Batch
 from microfacet.compiler.kernels import ByPrecision, Vector
 from microfacet.directions import as_uniform, as_vectors, vectors

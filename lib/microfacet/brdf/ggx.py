@@ -54,7 +54,7 @@ def _steps(it: Equation) -> list[Any]:
 
 
 joined = Equation(
-    key="brdf.specular.ggx",
+    key="brdf.microfacet.ggx",
     title="the BRDF of GGX for F = 1, height-correlated, in one fraction",
     symbol=printed_symbol("rho_ggx", r"\rho(\omega_o, \omega_i)"),
     equals=_PRINTED,

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from microfacet.brdf.compensation import Compensated
+from microfacet.brdf.microfacet import Microfacet
 from microfacet.brdf.random_walk import RandomWalk
-from microfacet.brdf.specular import Microfacet
 from microfacet.enough.lobes import Ruled, ruled, walked
 from microfacet.enough.scene import PRECISIONS, Point, Scene, normals_by_name
 from microfacet.families import families, key_of

@@ -6,9 +6,8 @@ Sources: heitz2016 (the random walk), turquin2019 and kulla2017 (energy put back
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from itertools import takewhile
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,182 +15,20 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from microfacet.brdf.specular import Microfacet
 from microfacet.confidence import ODDS
-from microfacet.directions import one_of, positive, whole
+from microfacet.directions import one_of, positive
 from microfacet.enough import cost
 from microfacet.enough.candidates import Candidate, candidates_for
-from microfacet.enough.lobes import Array, Reference, Ruled, binned, lobe_of, nodes, surface, walked
-from microfacet.enough.scene import PRECISIONS, Point, Scene
-from microfacet.visibility.smith import Smith
+from microfacet.enough.comparison import SURFACES, WALKS, Comparison, Measured
+from microfacet.enough.lobes import Array, lobe_of, nodes
+from microfacet.enough.measures import Error
+from microfacet.enough.scene import PRECISIONS, Scene
 
 MEASURES = {
     "albedo": "the share of light that is reflected",
     "lobe": "the share of the reflected light that goes elsewhere",
     "picture": "the mean relative error of spheres under a sky with a sun",
 }
-SUN, SKY = (0.6, 0.64, 0.48), (0.3, 0.7, 5.0, 20.0)  # direction of the sun; ground, sky, sun, its concentration
-RING_AZIMUTHS = 12  # points along each ring of the sphere
-SURFACES, WALKS = 8, 1 << 16
-
-
-class Error(NamedTuple):
-    """A candidate's error, and a bound on the uncertainty of that."""
-
-    value: float
-    bound: float
-
-
-# --- measures -------------------------------------------------------------------------------------------------------------
-
-
-def albedo_error(lobe: Ruled, truth: Reference) -> Error:
-    """Absolute difference of the two albedos."""
-    return Error(abs(float(lobe.lobe.sum() - truth.lobe.sum())), float(lobe.error(truth.once).sum()) + _light_error(truth))
-
-
-def lobe_error(lobe: Ruled, truth: Reference) -> Error:
-    """Half the sum of all differences, over the total light, which is itself uncertain."""
-    light = float(truth.lobe.sum())
-    light_bound = _light_error(truth) + float(truth.once.error().sum())
-    off = 0.5 * float(abs(lobe.lobe - truth.lobe).sum())
-    bound = truth.misplaced() + 0.5 * float(lobe.error(truth.once).sum())
-    return quotient(off, bound, light, light_bound)
-
-
-def quotient(above: float, above_bound: float, below: float, below_bound: float) -> Error:
-    """A quotient of two numbers that are known within bounds; its bound is infinite where the denominator may be 0."""
-    if not below > below_bound:
-        return Error(0.0, math.inf)
-    value = above / below
-    return Error(value, (above + above_bound) / (below - below_bound) - value)
-
-
-def _light_error(truth: Reference) -> float:
-    return float(truth.bound(lambda lobes: lobes.sum(axis=(1, 2))))
-
-
-def sky(w: Array) -> Array:
-    """Radiance from the directions w (..., 3), y up: a sky brighter than the ground, and one broad sun."""
-    ground, above, sun, narrow = SKY
-    light: Array = ground + above * (1 + w[..., 1]) / 2 + sun * np.exp(narrow * (w @ np.array(SUN) / np.linalg.norm(SUN) - 1))
-    return light
-
-
-def _light(point: Point, scene: Scene) -> Array:
-    """Mean radiance in each bin for each point of a ring of the sphere, (RING_AZIMUTHS, ROWS, COLUMNS)."""
-    rule = nodes(point)
-    weight = rule.weight * Microfacet(Smith(point.ndf(scene.normals))).evaluate(point.wo, rule.wi)
-    total = np.maximum(binned(weight), 1e-300)
-    theta, phi = math.radians(point.theta), math.radians(point.phi)
-    global_wi = rule.wi @ np.array([[math.cos(phi), -math.sin(phi), 0], [math.sin(phi), math.cos(phi), 0], [0, 0, 1]])
-    return np.array(
-        [
-            binned(weight * sky(global_wi @ _axes(theta, azimuth))) / total
-            for azimuth in 2 * math.pi * np.arange(RING_AZIMUTHS) / RING_AZIMUTHS
-        ]
-    )
-
-
-def _radiance_under(light: Array) -> Callable[[Array], Array]:
-    """Radiance that lobes (n, ...) send to the viewer from each point of a ring, (n, RING_AZIMUTHS)."""
-
-    def radiance(lobes: Array) -> Array:
-        total: Array = np.einsum("tij,nij->nt", light, lobes)
-        return total
-
-    return radiance
-
-
-def _axes(theta: float, azimuth: float) -> Array:
-    """Local axes, one a row, at a point of a sphere viewed from +z: towards the view, across it, the normal."""
-    c, s = math.cos(azimuth), math.sin(azimuth)
-    towards = [-math.cos(theta) * c, -math.cos(theta) * s, math.sin(theta)]
-    return np.array([towards, [s, -c, 0], [math.sin(theta) * c, math.sin(theta) * s, math.cos(theta)]])
-
-
-class Measured(NamedTuple):
-    """A candidate's error at the worst of all points, and the lower and upper bound of the largest error."""
-
-    error: Error
-    least: float
-    most: float
-
-
-# --- comparison -----------------------------------------------------------------------------------------------------------
-
-
-class Comparison:
-    """All candidates for a scene compared with the most complete model, at every point of the scene.
-
-    surfaces: number of ray-traced surfaces, for Gaussian slopes; walks: number of walks through Smith's model, for GGX.
-    points: by default the scene's.
-    """
-
-    def __init__(
-        self, scene: Scene, surfaces: int = SURFACES, walks: int = WALKS, points: tuple[Point, ...] | None = None
-    ) -> None:
-        self.scene, self.surfaces, self.walks = scene, whole("surfaces", surfaces, 2), whole("walks", walks, 2)
-        self.points = scene.points if points is None else points
-        self._lobes: dict[Candidate, list[Ruled]] = {}
-
-    @cached_property
-    def candidates(self) -> list[Candidate]:
-        return candidates_for(self.scene)
-
-    @cached_property
-    def truth(self) -> list[Reference]:
-        """The most complete model there is, one lobe for each point."""
-        if self.scene.normals == "beckmann":
-            return [surface(self.scene, point, self.surfaces) for point in self.points]
-        return [walked(self.scene, point, self.walks) for point in self.points]
-
-    def lobes(self, one: Candidate) -> list[Ruled]:
-        if one not in self._lobes:
-            self._lobes[one] = [one.lobe(self.scene, point, self.walks) for point in self.points]
-        return self._lobes[one]
-
-    def measured(self, one: Candidate, measure: str) -> Measured:
-        """The error of a candidate over all points."""
-        if measure == "picture":
-            return self._worst([self._picture(one, group) for group in self._rings()])
-        of = {"albedo": albedo_error, "lobe": lobe_error}[measure]
-        return self._worst([of(lobe, truth) for lobe, truth in zip(self.lobes(one), self.truth, strict=True)])
-
-    def _worst(self, errors: list[Error]) -> Measured:
-        worst = max(errors, key=lambda error: error.value + error.bound)
-        least = max(max(error.value - error.bound, 0.0) for error in errors)
-        return Measured(worst, least, worst.value + worst.bound)
-
-    def _rings(self) -> list[list[int]]:
-        """The points that make up one sphere: of one roughness and one azimuth."""
-        groups: dict[tuple[float, ...], list[int]] = {}
-        for at, point in enumerate(self.points):
-            groups.setdefault((point.alpha_x, point.alpha_y, point.phi), []).append(at)
-        return list(groups.values())
-
-    @cached_property
-    def _skies(self) -> list[Array]:
-        return [_light(point, self.scene) for point in self.points]
-
-    def _picture(self, one: Candidate, ring: list[int]) -> Error:
-        """Mean over a sphere of the relative error of radiance, every ring weighted by its area in the picture."""
-        theta = np.radians([self.points[at].theta for at in ring])
-        area = np.sin(2 * theta) if len(ring) > 1 else np.ones(1)
-        off, noise = np.zeros(len(ring)), np.zeros(len(ring))
-        for k, at in enumerate(ring):
-            light, truth, lobe = self._skies[at], self.truth[at], self.lobes(one)[at]
-            expected, sent = (np.einsum("tij,ij->t", light, sums) for sums in (truth.lobe, lobe.lobe))
-            scatter, rule, once = (
-                truth.bound(_radiance_under(light)),
-                *(np.einsum("tij,ij->t", light, sums) for sums in (lobe.error(truth.once), truth.once.error())),
-            )
-            errors = [
-                quotient(*numbers)
-                for numbers in zip(abs(sent - expected), scatter + rule, expected, scatter + once, strict=True)
-            ]
-            off[k], noise[k] = np.mean(errors, axis=0)
-        return Error(float(area @ off / area.sum()), float(area @ noise / area.sum()))
 
 
 # --- the choice -----------------------------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from microfacet.brdf.specular import Microfacet
+from microfacet.brdf.microfacet import Microfacet
 from microfacet.directions import spherical
 from microfacet.enough.candidates import Candidate
 from microfacet.enough.scene import Point, normals_by_name

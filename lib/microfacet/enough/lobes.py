@@ -19,8 +19,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from microfacet.brdf.microfacet import Microfacet
 from microfacet.brdf.random_walk import Later, RandomWalk
-from microfacet.brdf.specular import Microfacet
 from microfacet.confidence import RARE, student
 from microfacet.enough.scene import Point, Scene
 from microfacet.geometry.slopes import Distribution

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from microfacet.brdf.compensation import Compensated
+from microfacet.brdf.microfacet import Microfacet
 from microfacet.brdf.random_walk import RandomWalk
-from microfacet.brdf.specular import Microfacet
 from microfacet.confidence import Estimate
 from microfacet.directions import spherical
 from microfacet.geometry.slopes import Distribution, alpha_of

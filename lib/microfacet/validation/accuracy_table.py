@@ -12,7 +12,7 @@ import mpmath
 import numpy as np
 
 from microfacet.brdf.diffuse import Diffuse
-from microfacet.brdf.specular import Microfacet
+from microfacet.brdf.microfacet import Microfacet
 from microfacet.families import alphas_of, families
 from microfacet.geometry.blinn_phong import NormalizedBlinnPhong
 from microfacet.geometry.ggx import GGX

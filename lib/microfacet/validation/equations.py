@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from microfacet.brdf.albedo import KNOWN
-from microfacet.brdf.specular import Microfacet
+from microfacet.brdf.microfacet import Microfacet
 from microfacet.directions import as_vectors, one_of, positive, spherical
 from microfacet.geometry.panels import Panels
 from microfacet.geometry.slopes import Distribution

@@ -8,8 +8,9 @@ import pytest
 import sympy as sp
 from microfacet.directions import spherical
 from microfacet.statements import ball_functions, balls, checks, enclosures
+from microfacet.statements.notation import alpha, mu_o, n
 from microfacet.statements.statement import equations
-from microfacet.validation import enclosure
+from microfacet.validation import kelemen, physical, slopes_along_view, unnormalized, unphysical
 from microfacet.validation.equations import residual
 
 pytest.importorskip("flint")
@@ -21,7 +22,7 @@ SLIGHTLY = sp.Rational(1000001, 1000000)
 def forgotten():
     """No compiled closed form outlives a test that changes it."""
     yield
-    for cached in (enclosure._function, enclosure._integral, enclosure._plain):
+    for cached in (slopes_along_view.ball_function, slopes_along_view._integral, slopes_along_view.compiled_form):
         cached.cache_clear()
 
 
@@ -37,7 +38,7 @@ def breaking(monkeypatch, key, part="equals", factor=SLIGHTLY):
     statement = equations[key]
     changed = getattr(statement, part) * factor
     monkeypatch.setitem(statement.__dict__, part, changed)
-    for cached in (enclosure._function, enclosure._integral, enclosure._plain):
+    for cached in (slopes_along_view.ball_function, slopes_along_view._integral, slopes_along_view.compiled_form):
         cached.cache_clear()
 
 
@@ -72,12 +73,12 @@ def test_a_closed_form_off_by_a_millionth_is_red(monkeypatch, changed, red):
 def test_a_broken_substitution_is_red(monkeypatch, family, part):
     from dataclasses import replace
 
-    slopes = getattr(enclosure, family)
+    slopes = getattr(slopes_along_view, family)
     wrong = replace(slopes, **{part: -getattr(slopes, part)})
     assert not all(map(checks.vanishes, wrong.steps()))
     with balls.precision(160):
         shape, angle = balls.ball(slopes.shapes[-2]), balls.ball(40)
-        assert not enclosure.smith_residual(wrong, shape, angle).contains(0)
+        assert not physical.smith_residual(wrong, shape, angle).contains(0)
 
 
 @pytest.mark.parametrize("key", [k for k in KEYS if equations[k].relation in "<>"])
@@ -108,15 +109,15 @@ def test_a_wide_ball_around_0_proves_nothing():
 def test_crosses_agree_with_quadrature():
     """What the tables prove is what the kernels compute: Implicit and Schlick-Smith over GGX, Kelemen over both."""
     wo = spherical(np.radians([20.0, 70.0]))
-    for alpha in (0.3, 0.8):
-        ndf = mf.GGX(alpha)
-        named = {"implicit_ggx": mf.Implicit(ndf), "schlick_smith_halved_ggx": mf.SchlickSmith(ndf, alpha / 2)}
+    for rough in (0.3, 0.8):
+        ndf = mf.GGX(rough)
+        named = {"implicit_ggx": mf.Implicit(ndf), "schlick_smith_halved_ggx": mf.SchlickSmith(ndf, rough / 2)}
         for name, model in named.items():
             computed = residual(model, "visible_area", wo)[0]
             stated = equations[f"validation.table2.{name}"].equals
-            values = [ball_functions.exact(stated, (enclosure.alpha, enclosure.mu_o))(alpha, mu) for mu in wo[:, 2]]
+            values = [ball_functions.exact(stated, (alpha, mu_o))(rough, mu) for mu in wo[:, 2]]
             np.testing.assert_allclose(computed, [float(v) for v in values], atol=1e-11)
-    for seen, ndf in ((enclosure.beckmann_visible_area, mf.Beckmann(0.4)), (enclosure.ggx_visible_area, mf.GGX(0.4))):
+    for seen, ndf in ((kelemen.beckmann_visible_area, mf.Beckmann(0.4)), (kelemen.ggx_visible_area, mf.GGX(0.4))):
         computed = residual(mf.Kelemen(ndf), "visible_area", wo)[0] + 1
         with balls.precision(80):
             exact = [float(seen(balls.ball(0.4), balls.ball(z / math.sqrt(1 - z * z) / 0.4))) for z in wo[:, 2]]
@@ -125,12 +126,12 @@ def test_crosses_agree_with_quadrature():
 
 def test_exact_cases():
     """Blinn-Phong passes at one exponent; Schlick-Smith with k = alpha/2 is Smith over GGX at alpha = 1, and only there."""
-    assert sp.solve(enclosure.phong.equals.doit(), enclosure.n) == [2 * sp.pi - 2]
-    halved = enclosure.halved_ggx.equals.doit()
-    assert halved.subs(enclosure.alpha, 1) == 0
-    assert sp.simplify(halved.subs({enclosure.alpha: sp.Rational(1, 2), enclosure.mu_o: sp.Rational(1, 2)})) != 0
+    assert sp.solve(unnormalized.phong.equals.doit(), n) == [2 * sp.pi - 2]
+    halved = unphysical.halved_ggx.equals.doit()
+    assert halved.subs(alpha, 1) == 0
+    assert sp.simplify(halved.subs({alpha: sp.Rational(1, 2), mu_o: sp.Rational(1, 2)})) != 0
     for key in ("implicit_ggx", "schlick_smith_ggx", "schlick_smith_halved_ggx"):
-        assert equations[f"validation.table2.{key}"].equals.doit().subs(enclosure.mu_o, 1) == 0
+        assert equations[f"validation.table2.{key}"].equals.doit().subs(mu_o, 1) == 0
 
 
 @pytest.mark.slow
@@ -138,10 +139,10 @@ def test_exact_cases():
 def test_beyond_what_is_proved_there_is_an_exception(name):
     """Above the largest alpha, the closed form has a second zero: the bound is not a matter of caution."""
     statement, largest = {
-        "Implicit": (enclosure.implicit_ggx, enclosure.IMPLICIT_UP_TO),
-        "Schlick-Smith": (enclosure.schlick_ggx, enclosure.SCHLICK_UP_TO),
+        "Implicit": (unphysical.implicit_ggx, unphysical.IMPLICIT_UP_TO),
+        "Schlick-Smith": (unphysical.schlick_ggx, unphysical.SCHLICK_UP_TO),
     }[name]
-    closed = statement.equals.doit().subs(enclosure.k, enclosure.alpha * enclosure.SCHLICK_K)
-    shapes = [closed.subs(enclosure.alpha, share * largest) for share in (0.999, 1.001)]
-    signs = [{bool(shape.subs(enclosure.mu_o, sp.Rational(k, 1000)).evalf() < 0) for k in range(1, 1000)} for shape in shapes]
+    closed = statement.equals.doit().subs(unphysical.k, alpha * unphysical.SCHLICK_K)
+    shapes = [closed.subs(alpha, share * largest) for share in (0.999, 1.001)]
+    signs = [{bool(shape.subs(mu_o, sp.Rational(k, 1000)).evalf() < 0) for k in range(1, 1000)} for shape in shapes]
     assert signs == [{True}, {True, False}]
