@@ -20,7 +20,7 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import numpy as np
 from microfacet.directions import spherical
 from microfacet.surface.gaussian import GaussianField
-from microfacet.surface.trace import HeightField
+from microfacet.surface.height_field import HeightField
 
 from benchmarks.embree import Sharers, scene_of
 

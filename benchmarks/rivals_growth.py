@@ -10,14 +10,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from microfacet.directions import spherical
 from microfacet.statements import balls
-from microfacet.surface import gaussian, trace
+from microfacet.surface import gaussian, height_field, lanes, planes, tiles
 from microfacet.surface.gaussian import GaussianField
-from microfacet.surface.trace import HeightField
+from microfacet.surface.height_field import HeightField
 
 from benchmarks.method import Method, directions
 from benchmarks.rivals_brdf import BRDF, brdf_library
 from benchmarks.rivals_integral import enclosed
 
+TRACER = (height_field, lanes, planes, tiles)
 VALUES = tuple(10**k for k in range(2, 9))
 GRIDS = tuple(2**k for k in range(8, 14))
 DIGITS = (4, 8, 12, 16, 24, 32, 40, 50)
@@ -89,7 +90,7 @@ def nothing(size: int) -> float:
 METHODS = {
     "values": Method("values of the BRDF", values, nothing, VALUES, (BRDF.evaluation[0],)),
     "surfaces": Method("surfaces made, by their side", surfaces, nothing, GRIDS, (gaussian,), each=False),
-    "rays": Method(f"{RAYS} rays, by the surface's side", rays, nothing, GRIDS, (trace,), each=False),
+    "rays": Method(f"{RAYS} rays, by the surface's side", rays, nothing, GRIDS, TRACER, each=False),
     "digits": Method(
         "proved digits of an integral", lambda n: lambda: enclosed(n), nothing, DIGITS, (enclosed, balls), each=False
     ),

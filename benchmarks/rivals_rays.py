@@ -11,12 +11,13 @@ from typing import Any
 
 import numpy as np
 from microfacet.directions import reflect, spherical
-from microfacet.surface import trace
+from microfacet.surface import height_field, lanes, planes, tiles
 from microfacet.surface.gaussian import GaussianField
-from microfacet.surface.trace import HeightField
+from microfacet.surface.height_field import HeightField
 
 from benchmarks.method import Method
 
+TRACER = (height_field, lanes, planes, tiles)
 SIDE, ALPHA, VIEW, TILE = 1024, 0.7, np.radians(60.0), 64
 RAYS = (10**6,)
 KINDS = {"primary": "from above", "reflected": "reflected", "shadow": "back to the viewer"}
@@ -58,6 +59,6 @@ def false(task: str, count: int) -> float:
 
 
 METHODS = {
-    task: Method(f"rays {words}, this library", partial(prepare, task), partial(false, task), RAYS, (trace,))
+    task: Method(f"rays {words}, this library", partial(prepare, task), partial(false, task), RAYS, TRACER)
     for task, words in TASKS.items()
 }

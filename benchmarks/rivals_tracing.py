@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 from microfacet.directions import spherical
-from microfacet.surface import gaussian, measure, trace
+from microfacet.surface import gaussian, height_field, lanes, measure, planes, tiles
 from microfacet.surface.gaussian import GaussianField
 from microfacet.surface.measure import Plan, shard
 
@@ -54,7 +54,7 @@ METHODS = {
         partial(prepare, size),
         partial(scatter, size),
         SIDES,
-        (gaussian, measure, trace),
+        (gaussian, measure, height_field, lanes, planes, tiles),
         each=False,
     )
     for size in GRIDS

@@ -15,7 +15,7 @@ import pytest
 from microfacet.material.fresnel import Mirror
 from microfacet.model import Model
 from microfacet.surface.gaussian import GaussianField
-from microfacet.surface.trace import HeightField
+from microfacet.surface.height_field import HeightField
 from microfacet.validation.equations import Validation, Verdict
 from users_models import Linear, Named, Steep, Steeper, same, value
 

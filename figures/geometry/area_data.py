@@ -10,8 +10,8 @@ from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.ggx import GGX
 from microfacet.geometry.roughness import SlopeScale
 from microfacet.surface.gaussian import GaussianField
+from microfacet.surface.height_field import HeightField
 from microfacet.surface.measure import estimate
-from microfacet.surface.trace import HeightField
 from microfacet.validation.equations import ABOVE
 from microfacet.visibility.masking import no_Lambda
 from microfacet.visibility.quadrature import VisibleParameters, visible_integral

@@ -9,7 +9,8 @@ from microfacet.brdf.microfacet import Microfacet
 from microfacet.directions import spherical
 from microfacet.geometry.ggx import GGX
 from microfacet.statements.reference import DIGITS
-from microfacet.surface.trace import ESCAPED, HeightField
+from microfacet.surface.height_field import HeightField
+from microfacet.surface.lanes import ESCAPED
 from microfacet.validation.accuracy import digits, exact_D, exact_Lambda
 from microfacet.validation.accuracy import rounded as as_seen
 from microfacet.visibility.smith import Smith

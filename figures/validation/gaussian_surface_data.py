@@ -7,7 +7,8 @@ from microfacet.directions import spherical
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.surface.compare import coarse, folded, lobe_of
 from microfacet.surface.gaussian import GaussianField
-from microfacet.surface.trace import ESCAPED, HeightField
+from microfacet.surface.height_field import HeightField
+from microfacet.surface.lanes import ESCAPED
 from microfacet.visibility.smith import Smith
 from report.campaign import CAMPAIGN, THETA_O, read
 from report.datafile import rounded, store

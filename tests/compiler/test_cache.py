@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from microfacet.compiler import cache, kernels, loop
+from microfacet.compiler import cache, loop
 from microfacet.compiler.batch import Batch
 from microfacet.compiler.cache import SUFFIX, CacheWarning, cache_directory
 
@@ -72,7 +72,7 @@ def compilations(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         return genuine(text, kind)
 
     genuine = loop._compile
-    monkeypatch.setattr(kernels, "_compile", compile_)
+    monkeypatch.setattr(loop, "_compile", compile_)
     return done
 
 
@@ -404,7 +404,7 @@ with warnings.catch_warnings(record=True) as caught:
     values = [float(model.D([0.6, 0.0, 0.8]))]
     if "trace" in sys.argv:
         import numpy as np
-        from microfacet.surface.trace import HeightField
+        from microfacet.surface.height_field import HeightField
         values.append(float(HeightField(np.zeros((8, 8))).trace([0.3, 0.4, 2.0], [0.0, 0.0, -1.0]).distance[0]))
 print(json.dumps([values, [str(w.message) for w in caught if w.category.__name__ == "CacheWarning"]]))
 """
@@ -492,7 +492,7 @@ EVENTS = """
 from numba.core import event
 with event.install_recorder("numba:compile") as seen:
     import numpy as np
-    from microfacet.surface.trace import HeightField
+    from microfacet.surface.height_field import HeightField
     HeightField(np.zeros((8, 8))).trace([0.3, 0.4, 2.0], [0.0, 0.0, -1.0])
 print(len(seen.buffer))
 """
@@ -510,7 +510,7 @@ def test_surfaces_keep_what_they_compile_in_the_same_folder(folder: Path) -> Non
     assert {file.suffix for file in folder.iterdir()} == {SUFFIX}
 
 
-@pytest.mark.parametrize("code", ["import microfacet as mf; mf.GGX(0.3).D([0.0, 0.0, 1.0])", "import microfacet.surface.trace"])
+@pytest.mark.parametrize("code", ["import microfacet as mf; mf.GGX(0.3).D([0.0, 0.0, 1.0])", "import microfacet.surface.lanes"])
 def test_without_a_compiler_one_sentence_says_so(code: str) -> None:
     """In plain Python a division by zero is an error, and no infinity."""
     environment = os.environ | {"NUMBA_DISABLE_JIT": "1", "MICROFACET_CACHE": "/dev/null", "PYTHONPATH": str(LIBRARY)}

@@ -195,7 +195,7 @@ def test_a_short_call_is_one_call_of_the_loop(monkeypatch: pytest.MonkeyPatch) -
     batch, x = Batch(tripled, [1]), np.arange(1000.0)
     for _ in range(20):  # until a quiet moment shows how quick it is
         batch([x])
-    monkeypatch.setattr("microfacet.compiler.kernels.spread", None)
+    monkeypatch.setattr("microfacet.compiler.batch.spread", None)
     np.testing.assert_array_equal(batch([x]), 3 * x)
 
 
@@ -239,7 +239,7 @@ INTERRUPTED = """
 import json, os, signal, sys, threading, time
 import numpy as np
 import microfacet as mf
-from microfacet.surface.trace import HeightField
+from microfacet.surface.height_field import HeightField
 
 def directions(n):
     z, phi = np.random.default_rng(n).random((2, n)) * [[1.0], [7.0]]

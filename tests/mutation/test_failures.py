@@ -33,7 +33,7 @@ from microfacet.geometry.visible_slopes import (
     visible_gaussian_slope,
 )
 from microfacet.statements import checks
-from microfacet.surface.trace import HeightField, Hits
+from microfacet.surface.height_field import HeightField, Hits
 from microfacet.validation import chi_square
 from microfacet.visibility.masking import ModelParameters
 from microfacet.visibility.smith import sampler_of_distribution

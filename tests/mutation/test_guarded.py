@@ -51,7 +51,8 @@ def tiny(tmp_path: Path) -> Path:
     for name, text in {
         "lib/microfacet/__init__.py": "",
         "lib/microfacet/tiny.py": LIBRARY,
-        "lib/microfacet/kernels.py": "class _Program:\n    def add(self, function): ...\n",
+        "lib/microfacet/compiler/__init__.py": "",
+        "lib/microfacet/compiler/program.py": "class Program:\n    def add(self, function): ...\n",
         "tests/test_tiny.py": TEST,
         "tests/test_other.py": "def test_of_something_else():\n    assert True\n",
         "pyproject.toml": '[tool.pytest.ini_options]\npythonpath = ["lib"]\nmarkers = ["slow: "]\n',
@@ -182,7 +183,8 @@ def test_what_a_run_took_down_is_taken_until_what_decides_it_changes(tiny: Path,
         return {one.file for one in guarded.record(tiny, [copy], ["not slow"], tests) if one.seconds >= 0}
 
     assert again() == set()
-    (copy.root / "lib/microfacet/kernels.py").write_text("class _Program:\n    def add(self, function): return function\n")
+    program = copy.root / "lib/microfacet/compiler/program.py"
+    program.write_text("class Program:\n    def add(self, function): return function\n")
     assert again() == set()
     library = copy.root / "lib/microfacet/tiny.py"
     library.write_text(library.read_text() + "\n")

@@ -13,7 +13,7 @@ import math
 import numpy as np
 from microfacet.directions import spherical
 from microfacet.surface.gaussian import GaussianField
-from microfacet.surface.trace import HeightField
+from microfacet.surface.height_field import HeightField
 
 SURFACES, RAYS = 50, 1_000_000
 ALPHAS = (0.4, 0.7, 1.0)

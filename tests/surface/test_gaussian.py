@@ -8,7 +8,7 @@ import scipy.stats
 from hypothesis import given
 from hypothesis import strategies as st
 from microfacet.surface.gaussian import GaussianField
-from microfacet.surface.trace import HeightField
+from microfacet.surface.height_field import HeightField
 
 FIELDS = [
     GaussianField(128, 0.7, correlation=4, root=1),

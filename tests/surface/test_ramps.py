@@ -14,8 +14,8 @@ from microfacet.directions import spherical
 from microfacet.surface import measure
 from microfacet.surface.compare import in_plane
 from microfacet.surface.gaussian import GaussianField
+from microfacet.surface.height_field import HeightField
 from microfacet.surface.measure import Measurement, Plan
-from microfacet.surface.trace import HeightField
 from report.campaign import CAMPAIGN
 
 SIZE, RISE, SIDE = 64, 0.2, 256

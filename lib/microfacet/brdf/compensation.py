@@ -6,10 +6,11 @@ first bounce's lobe is made brighter by as much as it lacks (turquin2019). Neith
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cache, lru_cache
 from itertools import pairwise
-from math import exp, expm1, pi, sqrt
+from math import exp, pi, sqrt
+from types import FunctionType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,8 +23,10 @@ from microfacet.brdf.cosine_table import LOWEST, CosineTable, starts
 from microfacet.brdf.microfacet import Microfacet
 from microfacet.brdf.reflectance import mu
 from microfacet.compiler.batch import Batch
+from microfacet.compiler.exponential import one_minus_exp
 from microfacet.compiler.kernels import ByPrecision, Vector
 from microfacet.directions import as_uniform, as_vectors, vectors
+from microfacet.geometry.visible_normals import HORIZON
 from microfacet.material.fresnel import F0, Fresnel, c, schlick_F
 from microfacet.statements import enclosures
 from microfacet.statements.notation import printed_symbol
@@ -150,28 +153,38 @@ def interpolation(height_terms: int, azimuth_terms: int) -> Callable[..., float]
     """-ln E, which is never negative, by a series in the root of z/(z + k r), where r is the length of the unstretched
     horizontal part of the direction, and in the cosine of twice its azimuth. The series is multiplied by a factor that vanishes
     with the roughness, as its error does."""
-    last_height, last_azimuth = height_terms - 1, azimuth_terms - 1
+    text = INTERPOLATION.format("\n".join(f"    {line}" for line in _clenshaw(height_terms, azimuth_terms)))
+    scope: dict[str, Any] = {"sqrt": sqrt, "LEAST": LEAST, "HORIZON": HORIZON}
+    exec(text, scope)
+    made: FunctionType = scope["minus_log_albedo"]
+    made.__source__ = text  # type: ignore[attr-defined]
+    return made
 
-    def minus_log_albedo(w: Vector, p: CompensatedParameters) -> float:
-        (x, y, z), table = w, p.table
-        across, along = (p.scale_x * x) * (p.scale_x * x), (p.scale_y * y) * (p.scale_y * y)
-        square = across + along
-        r = sqrt(square)
-        s = 2.0 * sqrt(z / (z + p.width * r)) - 1.0
-        c = (across - along) / square if square > 0.0 else 0.0
-        a1 = 0.0
-        a2 = 0.0
-        for k in range(last_height, -1, -1):
-            b1 = 0.0
-            b2 = 0.0
-            for j in range(last_azimuth, 0, -1):
-                b1, b2 = 2.0 * c * b1 - b2 + table[k * azimuth_terms + j], b1
-            row = c * b1 - b2 + table[k * azimuth_terms]
-            a1, a2 = (2.0 * s * a1 - a2 + row, a1) if k > 0 else (s * a1 - a2 + row, a1)
-        leaning = r + p.upright * z
-        return max(a1, LEAST) * (leaning / (z + leaning))
 
-    return minus_log_albedo
+INTERPOLATION = """\
+def minus_log_albedo(w, p):
+    x, y, z, table = w[0], w[1], max(w[2], HORIZON), p.table
+    across, along = (p.scale_x * x) * (p.scale_x * x), (p.scale_y * y) * (p.scale_y * y)
+    square = across + along
+    r = sqrt(square)
+    s = 2.0 * sqrt(z / (z + p.width * r)) - 1.0
+    c = (across - along) / square if square > 0.0 else 0.0
+{}
+    leaning = r + p.upright * z
+    return max(a1, LEAST) * (leaning / (z + leaning))
+"""
+
+
+def _clenshaw(height_terms: int, azimuth_terms: int) -> Iterator[str]:
+    """Lines that add up the series from its last term on, every step written out: compiled code finds a number in a tuple at
+    once only if its place is a constant, and steps without a loop are vectorized."""
+    yield "a1, a2 = 0.0, 0.0"
+    for k in range(height_terms - 1, -1, -1):
+        yield "b1, b2 = 0.0, 0.0"
+        for j in range(azimuth_terms - 1, 0, -1):
+            yield f"b1, b2 = 2.0 * c * b1 - b2 + table[{k * azimuth_terms + j}], b1"
+        yield f"row = c * b1 - b2 + table[{k * azimuth_terms}]"
+        yield "a1, a2 = 2.0 * s * a1 - a2 + row, a1" if k > 0 else "a1 = s * a1 - a2 + row"
 
 
 def _widths(alpha_x: float, alpha_y: float) -> tuple[float, float]:
@@ -293,18 +306,19 @@ def mean_reflectance(fresnel: Fresnel) -> tuple[float, float]:
 
 @cache
 def compensated(single: Callable[..., float], form: str, height_terms: int, azimuth_terms: int) -> Batch:
-    """The compiled BRDF. single: the kernel of the first bounce."""
+    """The compiled BRDF. single: the kernel of the first bounce, which is 0 below the horizon.
+
+    Nothing returns early: of a loop with such a branch around this many steps LLVM takes more than ten minutes to say whether
+    it can be vectorized.
+    """
     minus_log_albedo = interpolation(height_terms, azimuth_terms)
 
     def with_lobe(wo: Vector, wi: Vector, p: CompensatedParameters) -> float:
-        if not (wo[2] > 0.0 and wi[2] > 0.0):
-            return 0.0
-        missing_o, missing_i = expm1(-minus_log_albedo(wo, p)), expm1(-minus_log_albedo(wi, p))
-        return single(wo, wi, p.single) + (p.factor * missing_o) * missing_i
+        above = 1.0 if min(wo[2], wi[2]) > 0.0 else 0.0
+        missing_o, missing_i = one_minus_exp(minus_log_albedo(wo, p)), one_minus_exp(minus_log_albedo(wi, p))
+        return single(wo, wi, p.single) + above * ((p.factor * missing_o) * missing_i)
 
     def scaled(wo: Vector, wi: Vector, p: CompensatedParameters) -> float:
-        if not (wo[2] > 0.0 and wi[2] > 0.0):
-            return 0.0
         albedo = exp(-minus_log_albedo(wo, p))
         return single(wo, wi, p.single) * stated_scale(p.factor, albedo)
 

@@ -60,7 +60,7 @@ with sp.evaluate(False):
         means=sp.exp(-sp.Integral((1 + Lambda_o) / v, (v, reached, u))),
         equals=(reached / u) ** (1 + Lambda_o),
         over={u: (0.01, 1), reached: (0.01, 1), Lambda_o: (0, 10)},
-        within=(32, 32),
+        within=(64, 64),
         enclosed=lambda it: enclosures.agreement(it.means, it.equals, (u, reached, Lambda_o), HEIGHT_POINTS),
         slides=(73, 74, 75),
         cite="heitz2016",

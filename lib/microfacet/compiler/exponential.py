@@ -24,15 +24,8 @@ _BITS = "def unnamed(k):\n    return np.int{0}((np.int{0}(k) + np.int{0}({1})) <
 power_of_two.__compiled__ = {np.float64: _BITS.format(64, 1023, 52), np.float32: _BITS.format(32, 127, 23)}  # type: ignore[attr-defined]
 
 
-def exponential(x: float) -> float:
-    """exp(x) to an ulp without a branch or a call: it replaces `exp` in a kernel without a loop of its own.
-
-    x = k ln 2 + r with |r| below 0.35, where Taylor's series to r^13/13! suffices; 2^k in two factors, for subnormal results.
-    """
-    x = SMALLEST if x < SMALLEST else x
-    x = GREATEST if x > GREATEST else x
-    k = (x * PER_LN2 + ROUNDER) - ROUNDER
-    r = (x - k * LN2_HIGH) - k * LN2_LOW
+def near_zero(r: float) -> float:
+    """exp(r) - 1 for |r| below 0.35, where Taylor's series to r^13/13! suffices."""
     p = 1.0 / 6227020800.0
     p = p * r + 1.0 / 479001600.0
     p = p * r + 1.0 / 39916800.0
@@ -45,6 +38,25 @@ def exponential(x: float) -> float:
     p = p * r + 1.0 / 24.0
     p = p * r + 1.0 / 6.0
     p = p * r + 0.5
-    p = (p * r) * r + r
+    return (p * r) * r + r
+
+
+def exponential(x: float) -> float:
+    """exp(x) to an ulp without a branch or a call: it replaces `exp` in a kernel without a loop of its own.
+
+    x = k ln 2 + r with |r| below 0.35; 2^k in two factors, for subnormal results.
+    """
+    x = SMALLEST if x < SMALLEST else x
+    x = GREATEST if x > GREATEST else x
+    k = (x * PER_LN2 + ROUNDER) - ROUNDER
+    p = near_zero((x - k * LN2_HIGH) - k * LN2_LOW)
     half = (0.5 * k + ROUNDER) - ROUNDER
     return ((1.0 + p) * power_of_two(half)) * power_of_two(k - half)
+
+
+def one_minus_exp(x: float) -> float:
+    """1 - exp(-x) for x at least 0, to a few ulps, likewise without a branch or a call."""
+    x = -min(x, 64.0)  # from 37 on it is 1
+    k = (x * PER_LN2 + ROUNDER) - ROUNDER
+    scale = power_of_two(k)
+    return (1.0 - scale) - scale * near_zero((x - k * LN2_HIGH) - k * LN2_LOW)

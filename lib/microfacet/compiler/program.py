@@ -212,4 +212,4 @@ def named(*fields: str) -> Any:
 
 def fields_of(kind: Any) -> tuple[str, ...] | None:
     """The fields of a class of named tuples; None for anything else."""
-    return getattr(kind, "fields_of", None) if isinstance(kind, type) and issubclass(kind, tuple) else None
+    return getattr(kind, "_fields", None) if isinstance(kind, type) and issubclass(kind, tuple) else None

@@ -26,7 +26,8 @@ from microfacet.enough.scene import Point, Scene
 from microfacet.geometry.slopes import Distribution
 from microfacet.material.fresnel import Fresnel, Mirror
 from microfacet.surface.gaussian import GaussianField
-from microfacet.surface.trace import ESCAPED, HeightField
+from microfacet.surface.height_field import HeightField
+from microfacet.surface.lanes import ESCAPED
 from microfacet.visibility.smith import Smith
 
 Array = NDArray[np.float64]

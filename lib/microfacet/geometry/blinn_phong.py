@@ -39,7 +39,9 @@ def power_of_cosine(x: float, y: float, z: float, n: float) -> float:
 
 
 def normalized_power(x: float, y: float, z: float, n: float) -> float:
-    return (n + 2.0) / (2.0 * pi) * power_of_cosine(x, y, z, n)
+    """By the root of the power, which keeps its digits where the power itself is too small for a number."""
+    root = power_of_cosine(x, y, z, 0.5 * n)
+    return ((n + 2.0) / (2.0 * pi) * root) * root
 
 
 # --- statements ---------------------------------------------------------------------------------------------------
@@ -76,6 +78,7 @@ with sp.evaluate(False):
         computed_by=normalized_power,
         rewrite_proof=_length_steps,
         where=wm.spherical,
+        within=(16, 16),
         over={wm: "hemisphere", n: EXPONENT},
         slides=(55,),
         cite="heitz2014",
@@ -162,6 +165,7 @@ with sp.evaluate(False):
         means=sp.Integral(v * (1 + 2 * w * v + v**2) ** (-(n + 3) / 2), (v, 0, sp.oo)),
         equals=sp.hyper([2, n + 1], [(n + 4) / 2], (1 - w) / 2) / ((n + 1) * (n + 2)),
         computed_by=overlap,
+        within=(24, 24),
         over={w: (0, 1), n: EXPONENT},
         enclosed=lambda it: enclosures.agreement(
             _overlap_folded(), it.equals, (w, n), [(0.0, 0.5), (1.0, 0.5), (0.3, 1.0), (0.0, 10.0), (0.9, 10.0), (0.0, 1e3)]
@@ -209,6 +213,7 @@ with sp.evaluate(False):
         means=sp.Integral((q - c) * K * (1 + q**2) ** (-(n + 3) / 2), (q, c, sp.oo)) / c,
         equals=K * (1 + c**2) ** (-(n + 1) / 2) * sp.Function("H")(c / sp.sqrt(1 + c**2), n) / c,
         computed_by=student_Lambda,
+        within=(32, 32),
         over={c: (1e-6, 1e3), n: (0.5, 1000), K: (1e-2, 1e2)},
         enclosed=lambda it: enclosures.agreement(
             _hidden_folded(it), it.equals, (c, n, K), [(0.1, 0.5, 1.0), (1.0, 1.0, 1.0), (0.5, 10.0, 1.0), (2.0, 10.0, 1.0)]

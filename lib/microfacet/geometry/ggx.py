@@ -31,6 +31,7 @@ with sp.evaluate(False):
         symbol=printed_symbol("P22_ggx", r"P_{22}(\tilde{x}, \tilde{y})"),
         equals=1 / (sp.pi * alpha_x * alpha_y * (1 + x**2 / alpha_x**2 + y**2 / alpha_y**2) ** 2),
         computed_as=1 / (sp.pi * alpha_x * alpha_y * (1 + (x / alpha_x) ** 2 + (y / alpha_y) ** 2) ** 2),
+        within=(16, 16),
         over={x: (-1e3, 1e3), y: (-1e3, 1e3), alpha_x: ROUGHNESS, alpha_y: ROUGHNESS},
         slides=(64, 65, 66),
         cite="walter2007",
@@ -49,6 +50,7 @@ with sp.evaluate(False):
         ),
         computed_as=chi(wm.z) / (sp.pi * alpha_x * alpha_y * ((wm.x / alpha_x) ** 2 + (wm.y / alpha_y) ** 2 + wm.z**2) ** 2),
         where=wm.spherical,
+        within=(16, 16),
         over={wm: "hemisphere", alpha_x: ROUGHNESS, alpha_y: ROUGHNESS},
         slides=(55, 67),
         cite="heitz2014, eq. 85",
@@ -90,6 +92,7 @@ with sp.evaluate(False):
         enclosed=lambda it: enclosures.agreement(
             enclosures.folded(it.means, alpha), it.equals, (q, alpha), list(product((0.0, 1.0, 1e3), (1e-4, 1.0, 10.0)))
         ),
+        within=(12, 12),
         over={q: (-1e3, 1e3), alpha: ROUGHNESS},
         slides=(70, 71),
         cite="heitz2014",

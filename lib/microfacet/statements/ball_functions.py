@@ -36,6 +36,11 @@ def evaluator(expression: Any, arguments: Sequence[sp.Symbol]) -> Callable[..., 
     return evaluate
 
 
+def constant(expression: Any) -> Ball:
+    """The ball around an expression without symbols."""
+    return evaluator(expression, ())()
+
+
 def exact(expression: Any, arguments: Sequence[sp.Symbol]) -> Callable[..., mpmath.mpf]:
     """The expression to 50 digits: the precision doubles until the ball is proved to be that small."""
     evaluate = evaluator(expression, arguments)

@@ -21,6 +21,7 @@ from microfacet.statements.registry import registry
 from microfacet.statements.statement import Equation, equations
 
 POINTS = 300  # arguments at which a kernel is compared with 50 digits, in each precision
+ROUNDS, WORST, PER_POINT = 5, 8, 6  # of a search for larger errors: in each round, arguments near the worst so far
 AGREE = 30  # digits to which two forms of a statement must agree where both have 50
 
 
@@ -253,18 +254,31 @@ def numeric(equation: Equation) -> CheckResult:
 
 
 def worst_error(equation: Equation, real: type) -> tuple[float, str]:
-    """The largest error of the kernel over sampled arguments, in ulps, and the arguments where it occurs."""
+    """The largest error of the kernel that a search finds, in ulps, and the arguments where it occurs.
+
+    The search begins at arguments over the whole domain, and goes on near those of the largest errors.
+    """
     points = sample(equation, real)
+    errors = errors_at(equation, points, real)
+    random = _random(equation)
+    for _ in range(ROUNDS):
+        worst = np.argsort(errors, kind="stable")[-WORST:]
+        further = near(equation, np.repeat(points[worst], PER_POINT, axis=0), random)
+        points = np.vstack([points[worst], further])
+        errors = np.concatenate([errors[worst], errors_at(equation, further, real)])
+    worst_of_all = int(np.argmax(errors))
+    named = zip(equation.arguments, points[worst_of_all], strict=True)
+    return float(errors[worst_of_all]), ", ".join(f"{name}={float(value):.9g}" for name, value in named)
+
+
+def errors_at(equation: Equation, points: np.ndarray, real: type) -> np.ndarray:
+    """Errors of the kernel in ulps at arguments (n, ...), infinite in another precision than asked for."""
     values = np.atleast_1d(equation.kernel(*points.T))
     if values.dtype != real:
-        return math.inf, f"everywhere: the kernel returns {values.dtype}"
-    worst, where = 0.0, ""
-    for point, value in zip(points, values, strict=True):
-        exact = equation.exact(*point)
-        if representable(exact, real) and (error := ulps(float(value), exact, real)) >= worst:
-            named = zip(equation.arguments, point, strict=True)
-            worst, where = error, ", ".join(f"{name}={float(v):.9g}" for name, v in named)
-    return worst, where
+        return np.full(len(points), math.inf)
+    exact = [equation.exact(*point) for point in points]
+    pairs = zip(values, exact, strict=True)
+    return np.array([ulps(float(value), number, real) if representable(number, real) else 0.0 for value, number in pairs])
 
 
 def forms_disagree(equation: Equation) -> str:
@@ -336,6 +350,24 @@ def sample(equation: Equation, real: type) -> np.ndarray:
         else:
             columns.append(_clip(_interval(domain, fraction).astype(real), domain, real))
     return np.stack(columns, axis=1).astype(real)
+
+
+def near(equation: Equation, points: np.ndarray, random: np.random.Generator) -> np.ndarray:
+    """Arguments of the domain that differ from the given ones (n, ...), some by a few ulps and some by a tenth."""
+    real = points.dtype.type
+    steps = 10 ** random.uniform(math.log10(np.finfo(real).eps), -1, points.shape) * random.standard_normal(points.shape)
+    moved = points.astype(float) * np.exp(steps * random.integers(2, size=points.shape))
+    columns, at = [], 0
+    for argument, domain in equation.over.items():
+        if isinstance(argument, Direction):
+            direction = moved[:, at : at + 3]
+            columns += list((direction / np.linalg.norm(direction, axis=1, keepdims=True)).T.astype(real))
+            at += 3
+        else:
+            low, high = _ends(domain)
+            columns.append(_clip(moved[:, at].clip(low, high).astype(real), domain, real))
+            at += 1
+    return np.stack(columns, axis=1)
 
 
 def _clip(values: np.ndarray, interval: Any, real: type) -> np.ndarray:

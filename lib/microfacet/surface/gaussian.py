@@ -7,7 +7,7 @@ lengths, heights too, are in units of the grid's cell. Heights are normally dist
 
 so the slopes of the smooth surface are Beckmann's, with alpha_x = 2 sigma/l_x and alpha_y = 2 sigma/l_y.
 
-A grid flattens. Each cell is cut into two facets (see microfacet.surface.trace) whose slopes are differences of
+A grid flattens. Each cell is cut into two facets (see microfacet.surface.height_field) whose slopes are differences of
 neighbouring heights; they are normally distributed too, but with
 
     alpha_x = 2 sigma sqrt(1 - exp(-1/l_x^2)) < 2 sigma/l_x.

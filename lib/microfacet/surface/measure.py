@@ -31,7 +31,8 @@ from numpy.typing import ArrayLike, NDArray
 from microfacet.confidence import Estimate
 from microfacet.directions import as_vectors, spherical
 from microfacet.surface.gaussian import GaussianField
-from microfacet.surface.trace import ESCAPED, HeightField, Hits
+from microfacet.surface.height_field import HeightField, Hits
+from microfacet.surface.lanes import ESCAPED
 
 Array = NDArray[np.float64]
 Measurement = dict[str, NDArray[Any]]

@@ -9,6 +9,7 @@ import sympy as sp
 
 from microfacet.geometry import blinn_phong
 from microfacet.statements import enclosures
+from microfacet.statements.ball_functions import constant
 from microfacet.statements.balls import Ball, ball
 from microfacet.statements.enclosures import Enclosure
 from microfacet.statements.notation import Lambda_o, q, theta_o
@@ -28,15 +29,15 @@ from microfacet.validation.slopes_along_view import (
 def smith_residual(slopes: Slopes, shape: Ball, degrees: Ball) -> Ball:
     """Visible area by Smith's masking of the facets that face the viewer, over the true value, less 1."""
     tangent = radians(degrees).tan()
-    edge = slopes.edge(shape, tangent).min(ball(slopes.end))
-    facing = slopes.integral(1, -tangent, shape, -ball(slopes.end), edge) + slopes.missing(shape, tangent)
+    edge = slopes.edge(shape, tangent).min(constant(slopes.end))
+    facing = slopes.integral(1, -tangent, shape, -constant(slopes.end), edge) + slopes.missing(shape, tangent)
     return facing / (1 + slopes.Lambda(shape, tangent)) - 1
 
 
 def cavity_residual(slopes: Slopes, shape: Ball, degrees: Ball) -> Ball:
     """V-cavities leave 1 - q tan theta_o of a facet visible, but at most 2, which masks it where q < -cot theta_o."""
     tangent = radians(degrees).tan()
-    edge, end = slopes.edge(shape, tangent).min(ball(slopes.end)), ball(slopes.end)
+    edge, end = slopes.edge(shape, tangent).min(constant(slopes.end)), constant(slopes.end)
     free = slopes.integral(1, -tangent, shape, -edge, edge)
     masked = slopes.integral(2, 0, shape, -end, -edge)
     return free + masked + 2 * slopes.missing(shape, ball(0)) - 1

@@ -8,7 +8,7 @@ import sympy as sp
 
 from microfacet.geometry import beckmann, ggx
 from microfacet.statements import ball_functions, balls, enclosures
-from microfacet.statements.balls import Ball, ball
+from microfacet.statements.balls import Ball
 from microfacet.statements.enclosures import Enclosure
 from microfacet.statements.notation import a, alpha, mu_o
 from microfacet.statements.statement import Equation
@@ -59,7 +59,7 @@ def _closed_enclosed(masking: sp.Expr, stated: sp.Expr, alphas: tuple[float, ...
 
     def apart(alpha: Ball, mu: Ball) -> Ball:
         tangent = (1 - mu**2).sqrt() / mu
-        facing = GGX.integral(1, -tangent, alpha, -ball(GGX.end), GGX.edge(alpha, tangent))
+        facing = GGX.integral(1, -tangent, alpha, -ball_functions.constant(GGX.end), GGX.edge(alpha, tangent))
         return mask(alpha, mu) * facing - 1 - excess(alpha, mu)
 
     return enclosures.at(apart, [{"alpha": a, "mu": m} for a in alphas for m in COSINES])

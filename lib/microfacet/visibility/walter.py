@@ -9,7 +9,7 @@ from math import ceil
 import sympy as sp
 
 from microfacet.geometry import beckmann
-from microfacet.statements import ball_functions, balls, enclosures
+from microfacet.statements import ball_functions, enclosures
 from microfacet.statements.balls import Ball
 from microfacet.statements.enclosures import Enclosure
 from microfacet.statements.notation import a, printed_symbol
@@ -64,7 +64,9 @@ with sp.evaluate(False):
         relation=">",
         proof=lambda it: [fit.equals.doit().subs(a, root) - it.equals for root in sp.solve(_fitted_Lambda(), a)],
         proved_by="sympy: the fit is 1 where its Lambda is 0; its sign beyond by balls",
-        enclosed=lambda it: [enclosures.over(lambda **at: _fitted(at["a"]) - balls.ball(it.equals), a=(ABOVE, float(END)))],
+        enclosed=lambda it: [
+            enclosures.over(lambda **at: _fitted(at["a"]) - ball_functions.constant(it.equals), a=(ABOVE, float(END)))
+        ],
         slides=(58, 62),
         cite="walter2007",
     )
@@ -93,7 +95,7 @@ def largest(steps: int = 800) -> float:
 
 
 def _bounded(it: Equation) -> list[Enclosure]:
-    apart, limit = _compiled(ratio() - 1), balls.ball(it.equals)
+    apart, limit = _compiled(ratio() - 1), ball_functions.constant(it.equals)
     beyond = ball_functions.evaluator(beckmann.Lambda.equals, (a,))
     inside = enclosures.over(lambda **at: abs(apart(at["a"])) - limit, a=(0, float(END)))
     return [inside, *enclosures.at(lambda **at: beyond(at["a"]) - limit, [{"a": float(END)}])]

@@ -1,9 +1,4 @@
-"""Rays against a periodic height field, each cell of which is two triangles.
-
-The surface repeats a grid of n x n heights for ever; the unit of length is the grid's cell. Node (i, j) stands at x = i,
-y = j. The diagonal from (i, j) to (i + 1, j + 1) cuts a cell into facets 2 (i n + j) and 2 (i n + j) + 1: the first has
-x - i >= y - j. Triangles, not bilinear patches: a facet then has one normal, so that what is measured is compared with a
-distribution of normals without a further model, and others can trace the same surface.
+"""Rays against a periodic height field in lanes: many rays are stepped at once, which compiles to vector instructions.
 
 How a hit is decided. A ray, seen from above, crosses a sequence of edges. It starts above the surface, so it hits the facet
 before the first edge that it crosses below, and it leaves a facet without a hit if it crosses the next edge above. One sign
@@ -26,17 +21,15 @@ from __future__ import annotations
 
 import math
 import threading
-from functools import cached_property, partial
-from typing import Any, NamedTuple, NoReturn, cast
+from functools import partial
+from typing import Any, cast
 
 import numpy as np
 from numba.core import cgutils, types
 from numba.extending import intrinsic
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from microfacet.compiler.cache import compiled
-from microfacet.compiler.processors import parallel_map
-from microfacet.directions import as_points
 
 Array = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -54,254 +47,19 @@ LANES = 64
 MANY = 20  # lanes that wait for a step through cells before it is made
 SPARE = 12  # lanes that are ready for another ray before they get it
 CHUNK = 32768  # rays that a thread takes at once
-SORT = 1 << 21  # rays that are put into order at once
-TILE = 5  # rays are sorted by tiles of 2^TILE cells a side ...
-SMALL = 512  # ... unless the whole grid is no larger than this and fits the cache anyway
 RISING, FALLING = 1.5, 3.0  # half sides that a ray has to be above its block's plane before it takes wider blocks
 TINY = 1e-50
 LARGEST = 1e290  # stands for 1/0
+MARGIN = 1e-6  # of the heights of a ray and of the highest point: how far above that point a ray may not skip
 EARLY = 1 - 1e-6  # what part of the way to a plane is passed for sure, as the quotient is rounded to single precision
-SLACK = 1e-6  # of a block's own height and slope, and a tenth of it in cells: how much planes are rounded up
 
 _njit: Any = partial(compiled, nogil=True, error_model="numpy")
-_jit = _njit()
 _inner = _njit(_nrt=False, forceinline=True)  # no counting of references: it would cost more than the walk itself
 _exact = _njit(_nrt=False)
 _lanes = _njit(_nrt=False, fastmath={"contract"}, forceinline=True)
 
 _thread = threading.local()
 
-
-class Hits(NamedTuple):
-    """What rays meet: the facet's number, or ESCAPED or LOST; and how far away, in lengths of the direction (else inf)."""
-
-    facet: Integers
-    distance: Array
-
-
-class HeightField:
-    """A periodic surface of 2 n^2 facets, from heights of shape (n, n) in cells, n a power of two and at least 8.
-
-    Heights are rounded to single precision first; the surface of these rounded heights is what everything here refers to.
-    """
-
-    def __init__(self, heights: ArrayLike) -> None:
-        given = np.asarray(heights)
-        if given.ndim != 2 or given.shape[0] != given.shape[1]:
-            raise ValueError(f"heights must have shape (n, n), got {given.shape}")
-        if given.shape[0] < 8 or given.shape[0] & (given.shape[0] - 1):
-            raise ValueError(f"heights must have a power of two of at least 8 nodes per side, got {given.shape[0]}")
-        if not np.isfinite(given).all():
-            raise ValueError(f"heights must be finite, got {given[~np.isfinite(given)][0]}")
-        if abs(given).max() > 1e30:
-            raise ValueError(f"heights must be below 1e30 cells, got {abs(given).max()}")
-        self.heights = np.array(given, np.float32, order="C")
-        self.heights.flags.writeable = False
-        self.size = len(self.heights)
-        self.top = BASE + STEP * ((self.size.bit_length() - 1 - BASE) // STEP)
-        self.planes = _planes(self.heights, self.top)
-        self.highest = float(self.heights.max())
-
-    def trace(self, origins: ArrayLike, directions: ArrayLike, facets: ArrayLike | None = None) -> Hits:
-        """The first facet that each ray meets: origins and directions (N, 3) or (3,), facets (N,).
-
-        facets: the facet on which each ray starts and which it cannot meet again. It is named, not found: an origin may be
-        off it by rounding. A direction that points into it meets it at distance 0. Without facets, or where one is below 0,
-        the origin must be above the surface. Directions need not be unit vectors.
-        """
-        o, d = self._rays(origins, directions)
-        own = self._own(facets, len(o))
-        facet, distance = np.empty(len(o), np.int64), np.empty(len(o))
-        field = (self.heights.reshape(-1), *self.planes, self.size.bit_length() - 1, self.top, self.highest)
-        for first in range(0, len(o), SORT):
-            part = slice(first, min(first + SORT, len(o)))
-            order = self._order(o[part], d[part])
-            rays = (o[part].reshape(-1), d[part].reshape(-1), own[part] if len(own) else own, order)
-            count = part.stop - first
-            jobs = [(*field, *rays, facet[part], distance[part], k, min(k + CHUNK, count)) for k in range(0, count, CHUNK)]
-            if any(parallel_map(_with_memory, jobs)):
-                self._refuse(int(np.argmin(facet[part])) + first, o, d, own)
-        return Hits(facet, distance)
-
-    def escapes(self, origins: ArrayLike, directions: ArrayLike, facets: ArrayLike | None = None) -> NDArray[np.bool_]:
-        """Whether each ray leaves the surface, (N,); arguments as for `trace`. A ray that is LOST does not."""
-        left: NDArray[np.bool_] = self.trace(origins, directions, facets).facet == ESCAPED
-        return left
-
-    def _rays(self, origins: ArrayLike, directions: ArrayLike) -> tuple[Array, Array]:
-        given = np.asarray(origins, np.float64), np.asarray(directions, np.float64)
-        if any(a.ndim not in (1, 2) or a.shape[-1] != 3 for a in given) or len({len(a) for a in given if a.ndim == 2}) > 1:
-            raise ValueError(f"origins and directions must have shape (N, 3) or (3,), got {given[0].shape}, {given[1].shape}")
-        shape = (max(len(a) if a.ndim == 2 else 1 for a in given), 3)
-        o, d = (np.ascontiguousarray(np.broadcast_to(a, shape)) for a in given)
-        return o, d
-
-    def _refuse(self, at: int, o: Array, d: Array, own: Integers) -> NoReturn:
-        """Say what is wrong with a ray that could not be traced."""
-        as_points("origins", o), as_points("directions", d)
-        if abs(o[at]).max() > REACH:
-            raise ValueError(f"origins must lie within {REACH:g} cells, got {o[at]} at index {at}")
-        if not TINY < abs(d[at]).max() < 1 / TINY:
-            raise ValueError(f"directions must have a length between {TINY:g} and {1 / TINY:g}, got {d[at]} at index {at}")
-        if own[at] >= 2 * self.size**2:
-            raise ValueError(f"facets must be below {2 * self.size**2}, got {own[at]} at index {at}")
-        raise ValueError(f"facets must hold the origins: facet {own[at]} does not hold {o[at]} of ray {at}")
-
-    def _own(self, facets: ArrayLike | None, count: int) -> Integers:
-        if facets is None:
-            return np.empty(0, np.int64)
-        given = np.asarray(facets)
-        if given.shape != (count,) or given.dtype.kind not in "iu":
-            raise ValueError(f"facets must be whole numbers of shape ({count},), got {given.dtype} of shape {given.shape}")
-        return np.ascontiguousarray(given, np.int64)
-
-    def _order(self, o: Array, d: Array) -> Integers:
-        """An order of the rays that suits the cache; empty if theirs does already."""
-        if self.size <= SMALL or len(o) < CHUNK:
-            return np.empty(0, np.int64)
-        pairs = np.linspace(0, len(o) - 2, 512).astype(int)
-        if np.median(np.abs(o[pairs + 1, :2] - o[pairs, :2]).max(axis=1)) <= 2 << TILE:
-            return np.empty(0, np.int64)
-        return _by_tile(o, d, self.highest, self.size)
-
-    def locate(self, x: ArrayLike, y: ArrayLike) -> tuple[Integers, Array]:
-        """The facet over or under each point (x, y), and the surface's height there; shapes broadcast."""
-        xs, ys = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
-        if not (np.isfinite(xs).all() and np.isfinite(ys).all()):
-            raise ValueError(f"x and y must be finite, got {xs[~(np.isfinite(xs) & np.isfinite(ys))]}")
-        i, j = np.floor(xs), np.floor(ys)
-        u, v = xs - i, ys - j
-        near, far = i.astype(np.int64) % self.size, (i.astype(np.int64) + 1) % self.size
-        left, right = j.astype(np.int64) % self.size, (j.astype(np.int64) + 1) % self.size
-        upper = v > u
-        z00, z11 = self.heights[near, left].astype(float), self.heights[far, right].astype(float)
-        third = np.where(upper, self.heights[near, right], self.heights[far, left]).astype(float)
-        along, across = np.where(upper, v, u), np.where(upper, u, v)
-        height: Array = z00 + along * (third - z00) + across * (z11 - third)
-        return 2 * (near * self.size + left) + upper, height
-
-    @cached_property
-    def slopes(self) -> Array:
-        """Slope (along x, along y) of every facet, shape (2 n^2, 2), in the order of their numbers."""
-        z = self.heights.astype(float)
-        far, right = np.roll(z, -1, 0), np.roll(z, -1, 1)
-        corner = np.roll(far, -1, 1)
-        first, second = np.stack([far - z, corner - far], -1), np.stack([corner - right, right - z], -1)
-        stacked: Array = np.stack([first, second], axis=2).reshape(-1, 2)
-        return stacked
-
-    def normals(self, facets: ArrayLike) -> Array:
-        """Unit normals of facets, wm, shapes (...) -> (..., 3)."""
-        slopes = self.slopes[np.asarray(facets)]
-        length = np.sqrt(1 + np.sum(slopes**2, axis=-1))
-        normals: Array = np.stack([-slopes[..., 0], -slopes[..., 1], np.ones_like(length)], axis=-1) / length[..., None]
-        return normals
-
-    def points(self, origins: ArrayLike, directions: ArrayLike, distance: ArrayLike) -> Array:
-        """Where rays are after a finite distance, moved back into the first period: origins for the rays to follow."""
-        points: Array = np.asarray(origins, float) + np.asarray(distance, float)[..., None] * np.asarray(directions, float)
-        points[..., :2] -= self.size * np.floor(points[..., :2] / self.size)
-        return points
-
-
-# --- planes above blocks ----------------------------------------------------------------------------------------------
-
-
-class Planes(NamedTuple):
-    """A plane over each block in one word, which is one read of memory: 32 bits of height, 16 each of the slopes along x and y.
-
-    A part is read with the bits below it, which costs less than to remove them: the height over the block's middle is height
-    times the word, the slopes are slope times the word shifted up by 32 and by 48 bits. The m x m blocks of one size stand in
-    the entries m^2 to 2 m^2 - 1.
-    """
-
-    words: Integers
-    height: float
-    slope: float
-
-
-def _planes(z: Singles, top: int) -> Planes:
-    """Planes over all blocks. No slope of least squares exceeds the steepest step between two nodes."""
-    steepest = max(float(abs(np.diff(z, axis=axis, append=z.take([0], axis)).astype(float)).max()) for axis in (0, 1))
-    slope = steepest / 32767 / 2**48 or 1.0
-    height = (float(abs(z).max()) + (2 << top) * steepest) / 2**62 or 1.0
-    words = np.zeros(2 * (len(z) >> BASE) ** 2, np.int64)
-    for shift in range(BASE, top + 1, STEP):
-        count = (len(z) >> shift) ** 2
-        _cover(z, shift, height, slope, words[count : 2 * count])
-    return Planes(words, height, slope)
-
-
-@_jit
-def _cover(z: Singles, shift: int, height: float, slope: float, words: Integers) -> None:  # pragma: no cover - compiled
-    """For each block of 2^shift cells a side the plane of least squares, raised until no node of the block is above it."""
-    blocks = z.shape[0] >> shift
-    side = 1 << shift
-    moment = 0.0
-    for p in range(side + 1):
-        moment += (p - 0.5 * side) ** 2
-    moment *= side + 1
-    for block in range(blocks * blocks):
-        i, j = (block // blocks) << shift, (block % blocks) << shift
-        along, across = _moments(z, i, j, side)
-        b, c = round(along / moment / slope / 2.0**48), round(across / moment / slope / 2.0**48)
-        low = ((b & 0xFFFF) << 16) | (c & 0xFFFF)
-        rise, tilt = slope * (low << 32), slope * (low << 48)
-        least = _above(z, i, j, side, rise, tilt)
-        size = abs(least) + side * (abs(rise) + abs(tilt))
-        words[block] = (math.ceil((least + SLACK * (size + 0.1)) / height / 2.0**32) << 32) | low
-
-
-@_jit
-def _moments(z: Singles, i: int, j: int, side: int) -> tuple[float, float]:  # pragma: no cover - compiled
-    along, across = 0.0, 0.0
-    mask = z.shape[0] - 1
-    for p in range(side + 1):
-        row = z[(i + p) & mask]
-        for q in range(side + 1):
-            along += (p - 0.5 * side) * row[(j + q) & mask]
-            across += (q - 0.5 * side) * row[(j + q) & mask]
-    return along, across
-
-
-@_jit
-def _above(z: Singles, i: int, j: int, side: int, b: float, c: float) -> float:  # pragma: no cover - compiled
-    """Least height over the block's middle of a plane of the slopes (b, c) that no node exceeds."""
-    least = -math.inf
-    mask = z.shape[0] - 1
-    for p in range(side + 1):
-        row = z[(i + p) & mask]
-        for q in range(side + 1):
-            least = max(least, row[(j + q) & mask] - b * (p - 0.5 * side) - c * (q - 0.5 * side))
-    return least
-
-
-# --- an order of rays that suits the cache ------------------------------------------------------------------------------
-
-
-@_jit
-def _by_tile(o: Array, d: Array, highest: float, size: int) -> Integers:  # pragma: no cover - compiled
-    """Numbers of the rays, sorted by the tile over which each enters the surface's range of heights; stable."""
-    tiles = max(size >> TILE, 1)
-    key = np.empty(len(o), np.int32)
-    count = np.zeros(tiles * tiles + 1, np.int64)
-    for k in range(len(o)):
-        t = max((highest - o[k, 2]) / d[k, 2], 0.0) if o[k, 2] > highest and d[k, 2] < 0 else 0.0
-        i = math.floor(o[k, 0] + t * d[k, 0]) & (size - 1)
-        j = math.floor(o[k, 1] + t * d[k, 1]) & (size - 1)
-        key[k] = (i >> TILE) * tiles + (j >> TILE)
-        count[key[k] + 1] += 1
-    for k in range(tiles * tiles):
-        count[k + 1] += count[k]
-    order = np.empty(len(o), np.int64)
-    for k in range(len(o)):
-        order[count[key[k]]] = k
-        count[key[k]] += 1
-    return order
-
-
-# --- lanes ------------------------------------------------------------------------------------------------------------
-#
 # Rows of the lanes' state, of LANES entries each. Rays are mirrored so that they run towards +x and +y: a mirrored axis has
 # the mask -1, and the cell c of it is the cell ~c of the surface. t is the distance so far, (CX, CY) the cell there, SIZE
 # the binary logarithm of the block's side, or CELLS, HIT or GONE. SIDE is the side of its cell that a ray starts on, or
@@ -530,7 +288,7 @@ def _enter(
         x, y, dx, dy, dz = x if good else 0.0, y if good else 0.0, dx if good else 1.0, dy if good else 1.0, dz if good else 1.0
         end = REACH / (dx + dy)
         end = end if end < LARGEST else LARGEST
-        level = (highest - oz + SLACK * (abs(highest) + abs(oz))) / (dz + 0.0)  # -0 + 0 is 0
+        level = (highest - oz + MARGIN * (abs(highest) + abs(oz))) / (dz + 0.0)  # -0 + 0 is 0
         t = level if (dz < 0.0) & (level > 0.0) else 0.0
         done = level if (dz >= 0.0) & (level < end) else end
         near = t if t < end else end
@@ -688,7 +446,7 @@ def _return(
         _put(distance, ray, _get(far, k))
 
 
-def _with_memory(*job: Any) -> bool:
+def trace_rays(*job: Any) -> bool:
     """`_trace` with memory that belongs to the thread; results of rays in their own order go where they belong at once."""
     if not hasattr(_thread, "memory"):
         _thread.memory = _memory()

@@ -11,9 +11,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from microfacet.directions import spherical
-from microfacet.surface import trace
+from microfacet.surface import height_field, lanes
 from microfacet.surface.gaussian import GaussianField
-from microfacet.surface.trace import ESCAPED, LOST, HeightField
+from microfacet.surface.height_field import HeightField
+from microfacet.surface.lanes import ESCAPED, LOST
 
 
 def rough(size: int, seed: int, scale: float = 1.0) -> HeightField:
@@ -283,7 +284,7 @@ def test_results_do_not_depend_on_threads_order_or_company(monkeypatch: pytest.M
     monkeypatch.setenv("MICROFACET_THREADS", "1")
     one = field.trace(origins, directions)
     monkeypatch.setenv("MICROFACET_THREADS", "3")
-    monkeypatch.setattr(trace, "SORT", 20_000)
+    monkeypatch.setattr(height_field, "SORT", 20_000)
     shuffle = np.random.default_rng(22).permutation(len(origins))
     for rays in (shuffle, np.sort(shuffle), shuffle[:100], shuffle[:1]):
         other = field.trace(origins[rays], directions[rays])
@@ -305,7 +306,7 @@ def test_the_surface_repeats(a: int, b: int) -> None:
 def test_no_node_is_above_the_plane_of_its_block() -> None:
     field = smooth(128)
     z = np.pad(field.heights.astype(float), ((0, 1), (0, 1)), mode="wrap")
-    for shift in range(trace.BASE, field.top + 1, trace.STEP):
+    for shift in range(lanes.BASE, field.top + 1, lanes.STEP):
         blocks, side = 128 >> shift, 1 << shift
         words = field.planes.words[blocks**2 : 2 * blocks**2]
         heights = field.planes.height * words
