@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import mutually_broadcastable_shapes
 from microfacet.arithmetic import cosine_and_sine, exp_minus_square, exp_minus_squares, two_product, two_sum
 from microfacet.compiler.batch import Batch
+from microfacet.compiler.exponential import one_minus_exp
 from microfacet.compiler.kernels import ByPrecision, Count, Table, packed, source
 from microfacet.compiler.loop import layout
 from microfacet.directions import points, uniform
@@ -436,6 +437,7 @@ def exponent(x: float) -> float:
 
 
 EXPONENT = Batch(packed(exponent, 1, 0), [1])
+LESS_THAN_ONE = Batch(packed(one_minus_exp, 1, 0), [1])
 TURN = Batch(packed(cosine_and_sine, 1, 0), [1], 2)
 
 
@@ -455,6 +457,20 @@ def test_the_exponential_of_loops_at_its_ends(real: type) -> None:
     x = np.array([0.0, -0.0, -math.inf, math.inf, math.nan, 2 * tiny, tiny + 1, -2 * tiny], real)
     with np.errstate(over="ignore"):
         np.testing.assert_array_equal(EXPONENT([x]), np.exp(x))
+
+
+@pytest.mark.parametrize("real", [np.float64, np.float32])
+def test_one_less_an_exponential_keeps_its_digits(real: type) -> None:
+    """Down to the smallest numbers, and where the exponential has long been too small to matter."""
+    import mpmath
+
+    random = np.random.default_rng(1)
+    x = np.concatenate([10 ** random.uniform(-37, 2, 2000), random.uniform(0, 3, 2000), [0.0, math.inf]]).astype(real)
+    values = LESS_THAN_ONE([x])
+    assert values.dtype == real
+    for value, number in zip(values, x, strict=True):
+        exact = -mpmath.expm1(-mpmath.mpf(float(number)))
+        assert abs(mpmath.mpf(float(value)) - exact) <= 1.5 * np.finfo(real).eps * exact
 
 
 @pytest.mark.parametrize("real", [np.float64, np.float32])

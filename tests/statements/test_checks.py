@@ -12,7 +12,7 @@ import sympy as sp
 from microfacet.statements import checks, enclosures
 from microfacet.statements.checks import CheckResult, check, numeric, symbolic, vanishes
 from microfacet.statements.fingerprints import content, fingerprint
-from microfacet.statements.registry import registry
+from microfacet.statements.registry import registry, stating
 from microfacet.statements.statement import Equation, equations
 
 x, theta = sp.symbols("x theta", positive=True)
@@ -247,3 +247,27 @@ def test_content_follows_nested_functions_modules_and_records():
 
     assert any(str(checks.GRAZING) in line for line in content(outer, set()))
     assert any("1.25" in line for line in content(Held([1.25, Held(x)]), set()))
+
+
+def slightly_off(kernel):
+    def off(w, p):
+        return kernel(w, p) * 1.00001
+
+    return off
+
+
+@pytest.mark.parametrize(("key", "kernel"), [("geometry.ggx.D", "kernel"), ("geometry.beckmann.Lambda", "closed_Lambda")])
+def test_a_family_whose_kernel_is_not_its_statement_is_red(key, kernel, monkeypatch):
+    """The kernel of a class takes other arguments than the statement's own, so it is another function."""
+    equation = equations[key]
+    ((kind, role),) = stating(equation)
+    kept = fingerprint(equation)
+    monkeypatch.setattr(kind, kernel, staticmethod(slightly_off(getattr(kind, kernel))))
+    assert f"the kernel of {role} of {kind.__name__} is off by" in numeric(equation).detail
+    assert numeric(equation).status == "fail"
+    assert fingerprint(equation) != kept
+
+
+def test_every_family_that_states_its_D_is_compared_with_it():
+    families = {kind.__name__ for key in equations for kind, role in stating(equations[key]) if role == "D"}
+    assert families >= {"GGX", "Beckmann", "Ward", "BlinnPhong", "NormalizedBlinnPhong"}

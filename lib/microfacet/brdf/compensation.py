@@ -24,7 +24,7 @@ from microfacet.brdf.microfacet import Microfacet
 from microfacet.brdf.reflectance import mu
 from microfacet.compiler.batch import Batch
 from microfacet.compiler.exponential import one_minus_exp
-from microfacet.compiler.kernels import ByPrecision, Vector
+from microfacet.compiler.kernels import ByPrecision, Table, Vector
 from microfacet.directions import as_uniform, as_vectors, vectors
 from microfacet.geometry.visible_normals import HORIZON
 from microfacet.material.fresnel import F0, Fresnel, c, schlick_F
@@ -130,6 +130,7 @@ ROUGH = 4.0  # slope scale above which the albedo changes so fast near grazing t
 MEAN_NODES, AZIMUTHS = 128, 64  # of the quadrature for means
 EXCESS = 1e-4  # by which the albedo may exceed 1 because of errors of its quadrature
 LARGEST_ERROR = 0.03  # of the series: absolute, or relative to the albedo where that is a divisor
+WRITTEN_OUT = 192  # terms of the series
 INTERVALS = 256  # of cosines, to sample the lobe
 LEAST_DENSITY = 0.1  # lower bound of the density with which the lobe is sampled, relative to its mean over cosines
 LEAST = ByPrecision(double=1e-17, single=1e-8)  # above 0, so that the lobe is positive wherever it is sampled
@@ -176,10 +177,20 @@ def minus_log_albedo(w, p):
 
 
 def _clenshaw(height_terms: int, azimuth_terms: int) -> Iterator[str]:
-    """Lines that add up the series from its last term on, every step written out: compiled code finds a number in a tuple at
-    once only if its place is a constant, and steps without a loop are vectorized."""
+    """Lines that add up the series from its last term on.
+
+    Up to `WRITTEN_OUT` terms every step is written out: compiled code finds a number in a tuple at once only if its place is a
+    constant, and steps without a loop are vectorized. More terms would take a minute to compile: they are in an array.
+    """
     yield "a1, a2 = 0.0, 0.0"
-    for k in range(height_terms - 1, -1, -1):
+    if height_terms * azimuth_terms > WRITTEN_OUT:
+        yield f"for k in range({height_terms - 1}, 0, -1):"
+        yield "    b1, b2 = 0.0, 0.0"
+        yield f"    for j in range({azimuth_terms - 1}, 0, -1):"
+        yield f"        b1, b2 = 2.0 * c * b1 - b2 + table[{azimuth_terms} * k + j], b1"
+        yield f"    row = c * b1 - b2 + table[{azimuth_terms} * k]"
+        yield "    a1, a2 = 2.0 * s * a1 - a2 + row, a1"
+    for k in range(height_terms - 1 if height_terms * azimuth_terms <= WRITTEN_OUT else 0, -1, -1):
         yield "b1, b2 = 0.0, 0.0"
         for j in range(azimuth_terms - 1, 0, -1):
             yield f"b1, b2 = 2.0 * c * b1 - b2 + table[{k * azimuth_terms + j}], b1"
@@ -397,7 +408,8 @@ class Compensated(BRDF):
         self._factor = self.added / (pi * missing) if form == "lobe" and missing > 0 else self.added
         single, parameters = brdf.evaluation
         widths = _widths(alpha_x, alpha_y)
-        self.parameters = CompensatedParameters(parameters, alpha_x, alpha_y, *widths, table, self._factor)
+        kept = Table(table) if len(table) > WRITTEN_OUT else table
+        self.parameters = CompensatedParameters(parameters, alpha_x, alpha_y, *widths, kept, self._factor)
         self._batch = compensated(single.function, form, height_terms, azimuth_terms)
         self._series, self._heights = series(height_terms, azimuth_terms), CosineTable(entry.heights)
 

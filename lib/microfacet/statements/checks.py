@@ -17,11 +17,12 @@ import sympy as sp
 from microfacet.statements import ball_functions, balls, enclosures
 from microfacet.statements.notation import Direction
 from microfacet.statements.reference import reference
-from microfacet.statements.registry import registry
+from microfacet.statements.registry import registry, stating
 from microfacet.statements.statement import Equation, equations
 
 POINTS = 300  # arguments at which a kernel is compared with 50 digits, in each precision
 ROUNDS, WORST, PER_POINT = 5, 8, 6  # of a search for larger errors: in each round, arguments near the worst so far
+SAME_LAMBDA = 1e6  # ulps: more than rounding of its argument does to Lambda, and less than any mistake
 AGREE = 30  # digits to which two forms of a statement must agree where both have 50
 
 
@@ -236,7 +237,7 @@ def numeric(equation: Equation) -> CheckResult:
     """Kernels against 50 digits, and the forms of the statement against each other, over the declared domain."""
     if not is_computed(equation):
         return CheckResult("none", "nothing to compute")
-    disagreement = forms_disagree(equation)
+    disagreement = forms_disagree(equation) or families_disagree(equation)
     if disagreement:
         return CheckResult("fail", disagreement)
     measured: dict[str, Any] = {}
@@ -300,6 +301,35 @@ def forms_disagree(equation: Equation) -> str:
                 at = ", ".join(f"{s}={float(v):.6g}" for s, v in zip(symbols, point, strict=True))
                 return f"{name} differs from {computed} by {float(apart):.3g} at {at}"
     return ""
+
+
+def families_disagree(equation: Equation) -> str:
+    """A sentence if a family that names the statement has a kernel of another value at some argument, else nothing.
+
+    Kernels are called as they are written, without the compiler.
+    """
+    for kind, role in stating(equation):
+        promise, values = (equation.within[0], _values_of_D) if role == "D" else (SAME_LAMBDA, _values_of_Lambda)
+        for point, value, exact in values(equation, kind):
+            error = ulps(value, exact, np.float64) if representable(exact, np.float64) else 0.0
+            if not error <= promise:
+                at = ", ".join(f"{float(number):.9g}" for number in point)
+                return f"the kernel of {role} of {kind.__name__} is off by {error:.3g} ulps at ({at})"
+    return ""
+
+
+def _values_of_D(equation: Equation, kind: Any) -> Iterable[tuple[np.ndarray, float, mpmath.mpf]]:
+    for point in sample(equation, np.float64):
+        wm, arguments = tuple(map(float, point[:3])), map(float, point[3:])
+        yield point, kind.kernel(wm, kind(*arguments).parameters), equation.exact(*point)
+
+
+def _values_of_Lambda(equation: Equation, kind: Any) -> Iterable[tuple[np.ndarray, float, mpmath.mpf]]:
+    """At directions and alphas, from which the argument of the statement is computed to 50 digits."""
+    argument = equations["visibility.smith.a"]
+    for point in sample(argument, np.float64):
+        wo, alphas = tuple(map(float, point[:3])), map(float, point[3:])
+        yield point, kind.closed_Lambda(wo, kind(*alphas).parameters), equation.exact(argument.exact(*point))
 
 
 def _evaluable(form: Any) -> bool:

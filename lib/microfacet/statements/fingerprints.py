@@ -17,7 +17,7 @@ from typing import Any
 import sympy as sp
 
 from microfacet.compiler.kernels import source
-from microfacet.statements.registry import registry
+from microfacet.statements.registry import KERNELS, registry, stating
 from microfacet.statements.statement import Equation, equations
 
 
@@ -107,6 +107,8 @@ def _equation_content(e: Equation, seen: set[int]) -> list[str]:
         lines += content(form if isinstance(form, tuple | str) else sp.sympify(form), seen)
     for function in (e.proof, e.rewrite_proof, e.computed_by, e.enclosed if callable(e.enclosed) else None):
         lines += content(function, seen) if function is not None else []
+    for kind, role in stating(e):
+        lines += [kind.__name__, *content(getattr(kind, KERNELS[role]), seen)]
     for key in () if callable(e.enclosed) else e.enclosed:
         lines += content(registry.statements[key], seen)
     return [*lines, repr(e.over)]

@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from microfacet.model import Model, labelled
+
 if TYPE_CHECKING:
     from microfacet.statements.statement import Equation
 
@@ -69,6 +71,15 @@ class Registry:
 
 
 registry = Registry()
+
+
+KERNELS = {"D": "kernel", "Lambda": "closed_Lambda"}  # of a family, for what it names among its statements
+
+
+def stating(equation: Equation) -> list[tuple[type[Model], str]]:
+    """The families that name the statement as that of their D or Lambda."""
+    named = [(kind, role) for kind in labelled.values() for role in KERNELS]
+    return [(kind, role) for kind, role in named if getattr(kind, "statements", {}).get(role) is equation]
 
 
 @cache
