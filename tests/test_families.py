@@ -45,6 +45,18 @@ class Other(mf.Implicit):
 class Tinted(mf.Schlick):
     label = "tinted"
 
+def kernel_square(cosine, p):
+    return cosine * cosine
+
+c = sympy.Symbol("c", positive=True)
+square = Equation(key="zoo.square.F", title="", symbol=sympy.Symbol("z"), equals=c**2, over={c: (0.01, 1)})
+
+class Square(mf.Fresnel):
+    label = "square"
+    statements = {"F": square}
+    parameters = ()
+    kernel = staticmethod(kernel_square)
+
 import samples
 
 scene = Scene(0.3, normals="steep", bounces="one", fresnel=Tinted(0.5))
@@ -59,6 +71,7 @@ print(json.dumps({
     "told": str(scene),
     "walk": mf.RandomWalk(mf.Smith(Twin(0.3))).single is not None,
     "fresnel": [kind.__name__ for kind in families(Fresnel)],
+    "digits": [float(min(accuracy_table.further_parts()["`Square.F`"](real))) for real in accuracy_table.PRECISIONS],
     "tests": [repr(ndf) for ndf in samples.NORMALISED],
     "stretched": [kind.__name__ for kind in samples.STRETCHED],
     "last statement": [*mf.equations][-1],
@@ -103,7 +116,13 @@ def test_the_chooser_knows_it(lists: dict[str, Any]) -> None:
 
 
 def test_a_fresnel_term_is_a_family(lists: dict[str, Any]) -> None:
-    assert lists["fresnel"][-1] == "Tinted"
+    assert lists["fresnel"][-2:] == ["Tinted", "Square"]
+
+
+def test_a_fresnel_term_that_is_stated_is_in_the_domain_of_trust(lists: dict[str, Any]) -> None:
+    double, single = lists["digits"]
+    assert double > 15
+    assert 6 < single < 8
 
 
 def test_the_tests_have_it_in_their_lists(lists: dict[str, Any]) -> None:

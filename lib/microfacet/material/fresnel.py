@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache
 from math import sqrt
 from typing import Any, ClassVar, NamedTuple
@@ -361,12 +361,15 @@ with sp.evaluate(False):
 class Fresnel(Parametric):
     """Base class of the reflectances of a microfacet, functions of the cosine between light and normal.
 
-    A subclass gives ``kernel`` and ``parameters``.
+    A subclass gives ``kernel`` and ``parameters``. If it names its statement, the gate compares both, and the table of right
+    digits has a row for it.
 
     Attributes
     ----------
     kernel : callable
         Reflectance of one cosine and the parameters. A function of floats that numba can compile.
+    statements : mapping, optional
+        ``{"F": statement}``: its arguments are the cosine, then those of the constructor.
     parameters : tuple
         What the kernel takes last, numbers or arrays; best a named tuple, whose fields it reads.
 
@@ -382,14 +385,15 @@ class Fresnel(Parametric):
     """
 
     kernel: ClassVar[Callable[..., float]]  # F(cosine, parameters)
+    statements: ClassVar[Mapping[str, Equation]] = {}
     regular: ClassVar[bool] = False  # whether few nodes suffice for integrals over it; if not, more are taken
     parameters: Parameters
 
     def __init_subclass__(cls) -> None:
         """What is known of another kernel is not known of its own."""
         super().__init_subclass__()
-        if "kernel" in vars(cls) and "regular" not in vars(cls):
-            cls.regular = False
+        if "kernel" in vars(cls):
+            cls.regular, cls.statements = vars(cls).get("regular", False), vars(cls).get("statements", {})
 
     def F(self, cosine: ArrayLike) -> NDArray[Any]:
         """Reflectance of a microfacet.
@@ -543,6 +547,7 @@ class Dielectric(Fresnel):
     label, cite = "dielectric", "cook1982"
     regular = True
 
+    statements: ClassVar = {"F": dielectric_F}
     kernel = staticmethod(kernel_dielectric)
 
     def __init__(self, eta: ArrayLike) -> None:
@@ -587,6 +592,7 @@ class Conductor(Fresnel):
     label, cite = "conductor", "cook1982"
     regular = True
 
+    statements: ClassVar = {"F": conductor_F}
     kernel = staticmethod(kernel_conductor)
 
     def __init__(self, eta: ArrayLike, k: ArrayLike) -> None:
@@ -627,6 +633,7 @@ class Schlick(Fresnel):
     label, cite = "Schlick", "schlick1994"
     regular = True
 
+    statements: ClassVar = {"F": edge_F}
     kernel = staticmethod(kernel_schlick)
 
     def __init__(self, F0: ArrayLike, F90: ArrayLike = 1.0) -> None:
@@ -669,6 +676,7 @@ class F82Tint(Fresnel):
     label, cite = "F82 tint", "hoffman2019"
     regular = True
 
+    statements: ClassVar = {"F": f82_F}
     kernel = staticmethod(kernel_f82)
 
     def __init__(self, F0: ArrayLike, tint: ArrayLike = 1.0, F90: ArrayLike = 1.0) -> None:

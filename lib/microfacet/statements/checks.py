@@ -309,7 +309,7 @@ def families_disagree(equation: Equation) -> str:
     Kernels are called as they are written, without the compiler.
     """
     for kind, role in stating(equation):
-        promise, values = (equation.within[0], _values_of_D) if role == "D" else (SAME_LAMBDA, _values_of_Lambda)
+        promise, values = (SAME_LAMBDA, _values_of_Lambda) if role == "Lambda" else (equation.within[0], _values)
         for point, value, exact in values(equation, kind):
             error = ulps(value, exact, np.float64) if representable(exact, np.float64) else 0.0
             if not error <= promise:
@@ -318,10 +318,12 @@ def families_disagree(equation: Equation) -> str:
     return ""
 
 
-def _values_of_D(equation: Equation, kind: Any) -> Iterable[tuple[np.ndarray, float, mpmath.mpf]]:
+def _values(equation: Equation, kind: Any) -> Iterable[tuple[np.ndarray, float, mpmath.mpf]]:
+    """At a normal or a cosine, and at arguments of the constructor."""
     for point in sample(equation, np.float64):
-        wm, arguments = tuple(map(float, point[:3])), map(float, point[3:])
-        yield point, kind.kernel(wm, kind(*arguments).parameters), equation.exact(*point)
+        *wm, cosine = map(float, point[: 3 if isinstance(next(iter(equation.over)), Direction) else 1])
+        arguments = map(float, point[len(wm) + 1 :])
+        yield point, kind.kernel((*wm, cosine) if wm else cosine, kind(*arguments).parameters), equation.exact(*point)
 
 
 def _values_of_Lambda(equation: Equation, kind: Any) -> Iterable[tuple[np.ndarray, float, mpmath.mpf]]:

@@ -73,11 +73,11 @@ class Registry:
 registry = Registry()
 
 
-KERNELS = {"D": "kernel", "Lambda": "closed_Lambda"}  # of a family, for what it names among its statements
+KERNELS = {"D": "kernel", "F": "kernel", "Lambda": "closed_Lambda"}  # of a family, for what it names among its statements
 
 
 def stating(equation: Equation) -> list[tuple[type[Model], str]]:
-    """The families that name the statement as that of their D or Lambda."""
+    """The families that name the statement as that of their D, F or Lambda."""
     named = [(kind, role) for kind in labelled.values() for role in KERNELS]
     return [(kind, role) for kind, role in named if getattr(kind, "statements", {}).get(role) is equation]
 

@@ -32,10 +32,10 @@ PRECISIONS = (np.float64, np.float32)
 MOST: dict[Any, float] = {np.float64: 16.0, np.float32: 7.5}  # digits that a precision can hold
 
 
-def directions(real: type, tangent: Array = TANGENT) -> Array:
+def directions(real: type, tangent: Array = TANGENT, azimuth: float = AZIMUTH) -> Array:
     """Unit vectors (n, 3) at these tangents of the polar angle, rounded to the precision."""
     sine, cosine = tangent / np.sqrt(1 + tangent**2), 1 / np.sqrt(1 + tangent**2)
-    return np.stack([sine * np.cos(AZIMUTH), sine * np.sin(AZIMUTH), cosine], axis=-1).astype(real)
+    return np.stack([sine * np.cos(azimuth), sine * np.sin(azimuth), cosine], axis=-1).astype(real)
 
 
 def rounded(alpha: float, real: type) -> float:

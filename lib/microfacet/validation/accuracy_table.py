@@ -1,11 +1,14 @@
-"""The accuracy table: the fewest correct digits over the whole domain, for each part of the library.
+"""The accuracy table: the fewest correct digits that are found over the whole domain, for each part of the library.
 
-A family of distributions enters the table by itself if it states D and Lambda.
+They are sought on a grid, which has the ends of the domain, and at random roughnesses and views. A family of distributions that
+states D and Lambda, and one of reflectances that states F, enter the table by themselves.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from functools import partial
+from itertools import product
 from typing import Any
 
 import mpmath
@@ -18,7 +21,8 @@ from microfacet.geometry.blinn_phong import NormalizedBlinnPhong
 from microfacet.geometry.ggx import GGX
 from microfacet.geometry.slopes import Distribution
 from microfacet.geometry.ward import Ward
-from microfacet.material.fresnel import Conductor, Dielectric, Schlick
+from microfacet.material.fresnel import Conductor, Dielectric, Fresnel, Schlick
+from microfacet.statements.checks import sample
 from microfacet.statements.reference import DIGITS
 from microfacet.validation.accuracy import (
     ALPHA,
@@ -43,23 +47,23 @@ from microfacet.visibility.v_cavity import VCavity
 
 RATIOS = (1.0, 1e-4)  # of alpha_y to alpha_x
 STRIDE = 4  # every fourth roughness and angle of the maps
+RANDOM_CASES, RANDOM_VIEWS = 100, 20  # further roughnesses, and views for each
 
 
-def _normals(ndf: Distribution, real: type) -> Array:
-    m = directions(real, TANGENT[::STRIDE])
-    return digits(D(ndf, m), [exact_D(ndf, one) for one in m], real)
+def _normals(ndf: Distribution, m: Array) -> Array:
+    return digits(D(ndf, m), [exact_D(ndf, one) for one in m], m.dtype.type)
 
 
-def _masking(ndf: Distribution, real: type) -> Array:
+def _masking(ndf: Distribution, views: Array) -> Array:
     """At horizontal facets, which face every view."""
-    views = directions(real, TANGENT[::STRIDE])
+    real = views.dtype.type
     up: Array = np.array([0, 0, 1], real)
     return digits(Smith(ndf).G1(views, up), [exact_G1(ndf, wo) for wo in views], real)
 
 
-def _lobes(ndf: Distribution, real: type) -> Array:
-    """BRDF and density, for the mirrored view, for one at right angles to it, and for one that is higher."""
-    views, brdf = directions(real, TANGENT[::STRIDE]), Microfacet(Smith(ndf))
+def _lobes(ndf: Distribution, views: Array) -> Array:
+    """BRDF and density, for the mirrored view, for one at right angles to it, and for another view."""
+    real, brdf = views.dtype.type, Microfacet(Smith(ndf))
     all_lights = [
         views * np.array([-1, -1, 1], real),
         views[:, [1, 0, 2]] * np.array([-1, 1, 1], real),
@@ -73,12 +77,11 @@ def _lobes(ndf: Distribution, real: type) -> Array:
     return np.concatenate(correct)
 
 
-def _visible_normals(ndf: Distribution, real: type) -> Array:
+def _visible_normals(ndf: Distribution, views: Array) -> Array:
     """Of families whose sampler can be inverted."""
     if type(ndf) not in NUMBERS:
         return np.full(1, np.nan)
-    views = directions(real, TANGENT[::STRIDE])
-    numbers: Array = np.array([(0.3, 0.01), (0.6, 0.5), (0.9, 0.99)], real)
+    numbers: Array = np.array([(0.3, 0.01), (0.6, 0.5), (0.9, 0.99)], views.dtype)
     normals = Smith(ndf).sample_visible(views[:, None], numbers)
     return np.array(
         [
@@ -88,7 +91,7 @@ def _visible_normals(ndf: Distribution, real: type) -> Array:
     )
 
 
-PARTS: dict[str, Callable[[Distribution, type], Array]] = {
+PARTS: dict[str, Callable[[Distribution, Array], Array]] = {
     "`D`": _normals,
     "`G1`": _masking,
     "`evaluate`, `pdf`": _lobes,
@@ -96,10 +99,21 @@ PARTS: dict[str, Callable[[Distribution, type], Array]] = {
 }
 
 
-def fewest(part: Callable[[Distribution, type], Array], kind: Callable[..., Distribution], real: type) -> float:
+def cases(real: type) -> Iterator[tuple[float, float, Array]]:
+    """Two roughnesses and views: those of the maps, then random ones."""
+    random = np.random.default_rng(0)
+    for alpha_x, ratio in product(ALPHA[::STRIDE], RATIOS):
+        if alpha_x * ratio > 0.99 * ALPHA[0]:
+            yield rounded(alpha_x, real), rounded(alpha_x * ratio, real), directions(real, TANGENT[::STRIDE])
+    for exponent in random.uniform(np.log10(ALPHA[0]), np.log10(ALPHA[-1]), RANDOM_CASES):
+        alpha_x, alpha_y = 10**exponent, 10 ** max(exponent + random.uniform(np.log10(RATIOS[-1]), 0), np.log10(ALPHA[0]))
+        tangent = 10 ** random.uniform(np.log10(TANGENT[0]), np.log10(TANGENT[-1]), RANDOM_VIEWS)
+        yield rounded(alpha_x, real), rounded(alpha_y, real), directions(real, tangent, random.uniform(0, 2 * np.pi))
+
+
+def fewest(part: Callable[[Distribution, Array], Array], kind: Callable[..., Distribution], real: type) -> float:
     """Fewest right digits over all roughnesses, ratios and angles."""
-    pairs = [(rounded(alpha, real), rounded(alpha * ratio, real)) for ratio in RATIOS for alpha in ALPHA[::STRIDE]]
-    correct = np.concatenate([np.ravel(part(kind(*pair), real)) for pair in pairs if min(pair) > 0.99 * ALPHA[0]])
+    correct = np.concatenate([np.ravel(part(kind(alpha_x, alpha_y), views)) for alpha_x, alpha_y, views in cases(real)])
     return float(np.nanmin(correct)) if np.isfinite(correct).any() else np.nan
 
 
@@ -208,6 +222,14 @@ def _approximated(real: type) -> Array:
     return np.array(correct)
 
 
+def _stated_F(kind: type[Fresnel], real: type) -> Array:
+    """Over the domain of the statement."""
+    statement = kind.statements["F"]
+    points = sample(statement, real)
+    make: Any = kind
+    return digits(make(*points.T[1:]).F(points[:, 0]), [statement.exact(*point) for point in points], real)
+
+
 def exact_matt(ndf: Distribution, wi: Array) -> mpmath.mpf:
     """The BRDF of matt GGX facets seen from above, by one integral over the slope: that over its azimuth has a closed form."""
     with mpmath.workdps(CORE):
@@ -247,9 +269,15 @@ FURTHER: dict[str, Callable[[type], Array]] = {
 }
 
 
+def further_parts() -> dict[str, Callable[[type], Array]]:
+    """The parts above, and each family of reflectances that states F and is not among them."""
+    stated = {f"`{kind.__name__}.F`": partial(_stated_F, kind) for kind in families(Fresnel) if "F" in kind.statements}
+    return FURTHER | {name: part for name, part in stated.items() if name not in FURTHER}
+
+
 def further_digits() -> dict[str, list[float]]:
     """Fewest right digits of further models, in double and in single precision."""
-    return {name: [float(np.nanmin(part(real))) for real in PRECISIONS] for name, part in FURTHER.items()}
+    return {name: [float(np.nanmin(part(real))) for real in PRECISIONS] for name, part in further_parts().items()}
 
 
 def table() -> str:
@@ -259,6 +287,6 @@ def table() -> str:
 
 
 def _table(names: list[str], rows: dict[str, list[float]]) -> str:
-    lines = [["right digits, at least", *names], [":--", *["--:"] * len(names)]]
+    lines = [["right digits", *names], [":--", *["--:"] * len(names)]]
     lines += [[name, *("–" if np.isnan(correct) else str(int(correct)) for correct in row)] for name, row in rows.items()]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
