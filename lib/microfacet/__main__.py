@@ -57,8 +57,8 @@ def _add_choose(commands: Any) -> None:
         "ratio": "of the larger roughness to the smaller (default 1)",
         "light": "polar angle of the light in degrees (default 0:90)",
     }
-    for name, told in ranges.items():
-        choose.add_argument(f"--{name}", metavar="LOW:HIGH", required=name == "alpha", help=told)
+    for name, description in ranges.items():
+        choose.add_argument(f"--{name}", metavar="LOW:HIGH", required=name == "alpha", help=description)
     choose.add_argument("--tolerance", type=float, default=1e-3, help="on what --measure names (default 1e-3)")
     choose.add_argument("--measure", default="albedo", help="albedo, lobe or picture (default albedo)")
     choose.add_argument("--normals", help="the surface's distribution: ggx (default) or beckmann")
@@ -90,27 +90,27 @@ def _choose(asked: argparse.Namespace) -> int:
     return 0 if choice.chosen else 1
 
 
-def _range(name: str, words: str | None) -> Any:
+def _range(name: str, text: str | None) -> Any:
     """`0.05:0.3` as two numbers."""
-    if words is None:
+    if text is None:
         return None
     try:
-        return [float(word) for word in words.split(":")] if ":" in words else float(words)
+        return [float(part) for part in text.split(":")] if ":" in text else float(text)
     except ValueError:
-        raise ValueError(f"{name} must be a number or low:high, such as 0.05:0.3, got {words!r}") from None
+        raise ValueError(f"{name} must be a number or low:high, such as 0.05:0.3, got {text!r}") from None
 
 
-def _fresnel(words: str | None) -> Any:
+def _fresnel(text: str | None) -> Any:
     from microfacet.material.fresnel import Conductor, Dielectric
 
-    if words is None:
+    if text is None:
         return None
     try:
-        numbers = [float(word) for word in words.split(",")]
+        numbers = [float(part) for part in text.split(",")]
     except ValueError:
         numbers = []
     if len(numbers) not in (1, 2):
-        raise ValueError(f"fresnel must be an index such as 1.5, or 0.2,3.9 for a conductor, got {words!r}")
+        raise ValueError(f"fresnel must be an index such as 1.5, or 0.2,3.9 for a conductor, got {text!r}")
     return Dielectric(*numbers) if len(numbers) == 1 else Conductor(*numbers)
 
 
@@ -123,11 +123,11 @@ def _costs(file: str | None) -> Any:
     return None if file is None else recorded(Path(file))
 
 
-def main(words: Sequence[str] | None = None) -> int:
+def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; what a person can mend is said in one sentence on the error stream."""
     _degrade(sys.stdout, sys.stderr)
     try:
-        chosen = parser().parse_args(_joined(sys.argv[1:] if words is None else words))
+        chosen = parser().parse_args(_joined(sys.argv[1:] if arguments is None else arguments))
         status = _choose(chosen) if chosen.command == "choose" else _statements(chosen)
         sys.stdout.flush()
     except BrokenPipeError:
@@ -156,14 +156,14 @@ def _abandon(stream: Any) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
-def _joined(words: Sequence[str]) -> list[str]:
+def _joined(arguments: Sequence[str]) -> list[str]:
     """`--theta -5:10` as `--theta=-5:10`: argparse takes what begins with a dash and is no plain number for an option."""
     joined: list[str] = []
-    for word in words:
-        if re.match(r"-[\d.]", word) and joined and re.fullmatch(r"--\w+", joined[-1]):
-            joined[-1] += f"={word}"
+    for argument in arguments:
+        if re.match(r"-[\d.]", argument) and joined and re.fullmatch(r"--\w+", joined[-1]):
+            joined[-1] += f"={argument}"
         else:
-            joined.append(word)
+            joined.append(argument)
     return joined
 
 

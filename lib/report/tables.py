@@ -21,7 +21,7 @@ from microfacet.model import signature
 from microfacet.statements.notation import alpha, n
 from microfacet.statements.statement import Equation
 from microfacet.validation.equations import AZIMUTH_COUNT, INTEGRALS, PAIRS, THETA, TOLERANCE
-from microfacet.visibility import unphysical
+from microfacet.visibility import criterion, unphysical
 from microfacet.visibility.masking import Masking
 from microfacet.visibility.smith import Smith
 from microfacet.visibility.unphysical import Implicit, Kelemen, SchlickSmith
@@ -155,6 +155,23 @@ def maskings() -> dict[str, tuple[Callable[[Distribution], Masking], str]]:
     variant = {f"{SchlickSmith.label}, halved": (halved, SchlickSmith.cite)}
     rows = [*talk.items()]
     return dict([*rows[: len(TALK_MASKINGS)], *variant.items(), *rows[len(TALK_MASKINGS) :]])
+
+
+def surfaces() -> dict[str, str]:
+    """To which surface each of the talk's masking functions belongs, if its distribution may be another than the one beside it.
+
+    A surface has f'(0+) of at least -1/2 (`visibility.criterion`): Schlick's has -k, implicit masking -1.
+    """
+    steepest = -sp.Rational(1, 2)
+    schlick = rf"$k \leq {-steepest}$"
+    return {
+        Smith.label: "its own",
+        VCavity.label: "its own",
+        Implicit.label: "none" if criterion.implicit.equals < steepest else "some",
+        Kelemen.label: "the plane",
+        SchlickSmith.label: schlick,
+        f"{SchlickSmith.label}, halved": schlick,
+    }
 
 
 def table_of_masking() -> Table:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import microfacet as mf
 import numpy as np
 import pytest
+from microfacet.directions import spherical
 from microfacet.geometry import beckmann
 from microfacet.geometry.beckmann import Beckmann
 from microfacet.geometry.blinn_phong import BlinnPhong
@@ -88,3 +90,27 @@ def test_every_row_has_a_cell_under_every_header(distributions: verdicts.Table, 
     for table in (distributions, masking):
         assert {len(cells) for cells in table.cells} == {len(table.headers)}
         assert not any("|" in cell for cells in table.cells for cell in cells)
+
+
+def steepest(model: mf.Masking) -> float:
+    """The slope of x (1/G1 - 1) next to x = cot theta_o = 0, which is at least -1/2 for a surface."""
+    x = np.array([1e-6, 2e-6])
+    wo = spherical(np.arctan2(1.0, x))
+    f = x * (1 / model.G1(wo, [0.0, 0.0, 1.0]) - 1)
+    return float(np.diff(f)[0] / 1e-6)
+
+
+def test_a_function_has_the_surface_that_the_table_names() -> None:
+    """By values of G1, where the table has it from statements."""
+    named, ndf = tables.surfaces(), mf.GGX(0.5)
+    assert steepest(mf.Smith(ndf)) == pytest.approx(-0.5, abs=1e-4)
+    assert steepest(mf.Implicit(ndf)) == pytest.approx(-1, abs=1e-4)
+    assert (named["Smith"], named["Implicit"]) == ("its own", "none")
+    for k in (0.4, 0.5):
+        assert steepest(mf.SchlickSmith(ndf, k)) > -0.5001
+    assert steepest(mf.SchlickSmith(ndf, 0.51)) < -0.5
+    assert named["Schlick-Smith"] == named["Schlick-Smith, halved"] == r"$k \leq 1/2$"
+
+
+def test_every_masking_function_of_the_table_has_a_surface_or_none(masking: verdicts.Table) -> None:
+    assert {row.name for row in masking.rows} == tables.surfaces().keys()

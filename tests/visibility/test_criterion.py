@@ -85,3 +85,14 @@ def test_the_fast_masking_of_engines_shows_up_to_a_fifth_too_little() -> None:
     np.testing.assert_allclose(ratios[-1], 1, rtol=1e-12)
     wo = spherical(np.arccos(0.75e-6))
     assert fast(1e-6, wo[2]) / mf.Smith(mf.GGX(1e-6)).G1(wo, [0, 0, 1]) == pytest.approx(0.8, rel=1e-5)
+
+
+@pytest.mark.parametrize("perceptual", [0.1, 0.5, 0.9, 1.0])
+def test_remapped_masking_shows_the_stated_part_next_to_the_horizon(perceptual: float) -> None:
+    """Karis' k and Disney's alpha, by the models' own values."""
+    stated = mf.equations["visibility.criterion.remapped"].equals.doit()
+    exact = float(stated.subs(dict.fromkeys(stated.free_symbols, perceptual)))
+    wo, up = spherical(np.pi / 2 - 1e-9), np.array([0.0, 0.0, 1.0])
+    ggx = mf.Smith(mf.GGX(perceptual**2)).G1(wo, up)
+    for model in (mf.SchlickSmith(mf.GGX(1.0), (perceptual + 1) ** 2 / 8), mf.Smith(mf.GGX((1 + perceptual) ** 2 / 4))):
+        assert float(model.G1(wo, up) / ggx) == pytest.approx(exact, rel=1e-6)

@@ -408,8 +408,8 @@ class Compensated(BRDF):
         self._factor = self.added / (pi * missing) if form == "lobe" and missing > 0 else self.added
         single, parameters = brdf.evaluation
         widths = _widths(alpha_x, alpha_y)
-        kept = Table(table) if len(table) > WRITTEN_OUT else table
-        self.parameters = CompensatedParameters(parameters, alpha_x, alpha_y, *widths, kept, self._factor)
+        coefficients = Table(table) if len(table) > WRITTEN_OUT else table
+        self.parameters = CompensatedParameters(parameters, alpha_x, alpha_y, *widths, coefficients, self._factor)
         self._batch = compensated(single.function, form, height_terms, azimuth_terms)
         self._series, self._heights = series(height_terms, azimuth_terms), CosineTable(entry.heights)
 

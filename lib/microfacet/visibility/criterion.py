@@ -170,6 +170,7 @@ def _implicit_steps() -> list[Any]:
 # --- what game engines use ----------------------------------------------------------------------------------------------
 
 mu = sp.Symbol("mu", positive=True)  # a cosine over the roughness
+perceptual = printed_symbol("perceptual", r"r_{\mathrm{p}}", positive=True)  # perceptual roughness
 
 
 def _engines() -> list[sp.Expr]:
@@ -206,6 +207,33 @@ with sp.evaluate(False):
         cite="hammon2017",
         note="mu is cos theta_o over alpha; alpha is at most 1.",
     )
+    remapped = Equation(
+        key="visibility.criterion.remapped",
+        title="next to the horizon Karis' k and Disney's remapped alpha show the same, and less than GGX",
+        symbol=printed_symbol(
+            "remapped_over_smith", r"\lim_{\theta_o \to 90^{\circ}} \frac{G_1^{\mathrm{remapped}}(\omega_o)}{G_1(\omega_o)}"
+        ),
+        means=alpha / (2 * k),
+        equals=4 * perceptual**2 / (1 + perceptual) ** 2,
+        where={alpha: perceptual**2, k: (1 + perceptual) ** 2 / 8},
+        proof=lambda it: _remapped_steps(it),
+        proved_by="sympy: the limits of Schlick's masking and of Smith's over GGX, both over the cosine",
+        slides=(58,),
+        cite="karis2013; burley2012",
+        note="r_p is the perceptual roughness, alpha its square; Disney's alpha of masking is (1 + r_p)^2/4.",
+    )
+
+
+def _remapped_steps(it: Equation) -> list[Any]:
+    """Next to the horizon Schlick's masking is the cosine over k, and Smith's over GGX twice the cosine over alpha."""
+    cosine = 1 / (1 + ggx.Lambda.equals.doit().subs(a, mu_o / (alpha * sp.sqrt(1 - mu_o**2))))
+    schlick_limit, ggx_limit = (sp.limit(G1 / mu_o, mu_o, 0, "+") for G1 in (schlick_G1, cosine))
+    disney = (1 + perceptual) ** 2 / 4
+    return [
+        schlick_limit / ggx_limit - it.means,
+        (ggx_limit.subs(alpha, disney) / ggx_limit - it.equals).subs(it.where),
+        it.means.doit().subs(it.where) - it.equals,
+    ]
 
 
 def _least_steps(it: Equation) -> list[Any]:

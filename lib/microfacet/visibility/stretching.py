@@ -46,8 +46,8 @@ facing_after = printed_symbol("facing_stretched", r"\frac{\omega_o' \cdot \omega
 facing_before = printed_symbol("facing_before", r"\frac{\omega_o \cdot \omega_m}{z_o z_m}")
 leaning = printed_symbol("slope_over_sight", r"\frac{x_o \tilde{x} + y_o \tilde{y}}{z_o}")
 masked_before = printed_symbol("G1_before", r"G_1(\omega_o, \omega_m)")
-shares_after = printed_symbol("shares_stretched", r"D_{\omega_o'}'(\omega_m') \, d\omega_m'")
-shares_before = printed_symbol("shares_before", r"D_{\omega_o}(\omega_m) \, d\omega_m")
+visible_after = printed_symbol("shares_stretched", r"D_{\omega_o'}'(\omega_m') \, d\omega_m'")
+visible_before = printed_symbol("visible_before", r"D_{\omega_o}(\omega_m) \, d\omega_m")
 STRETCHED_P22 = printed_symbol("P22_stretched", r"P_{22}'(\tilde{x}, \tilde{y})")
 FAMILIES = (beckmann, ggx)
 ALONG = sp.cos(phi_o) ** 2 * alpha_x**2 + sp.sin(phi_o) ** 2 * alpha_y**2  # alpha_o squared
@@ -191,8 +191,8 @@ def _visible_steps(it: Equation) -> list[Any]:
     per_slopes = masking.visible_normals.equals.doit() * slopes.solid_angle.computed_as
     before = per_slopes.subs({D: P22(x, y) / wm.z**4, om: f * mu_o * wm.z})
     spread = slopes.stretched(P22).subs(moved_slopes(), simultaneous=True).doit() * alpha_x * alpha_y
-    shares = {shares_after: G1 * f * spread, shares_before: before}
-    return [(it.symbol - it.equals).subs(shares)]
+    put_in = {visible_after: G1 * f * spread, visible_before: before}
+    return [(it.symbol - it.equals).subs(put_in)]
 
 
 def _sight_steps(it: Equation) -> list[Any]:
@@ -262,8 +262,8 @@ with sp.evaluate(False):
     visible = Equation(
         key="visibility.stretching.visible_normals",
         title="stretching moves visible normals and does not change their shares",
-        symbol=shares_after,
-        equals=shares_before,
+        symbol=visible_after,
+        equals=visible_before,
         proof=_visible_steps,
         proved_by="sympy: in slopes, G1 times facing times P22; the first two do not change, the last is spread by the map",
         slides=(69,),
