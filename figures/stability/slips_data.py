@@ -15,7 +15,7 @@ from report.datafile import rounded, store
 
 UP, SEED = np.array([0.0, 0.0, 1.0]), 5
 ROUGH, STRETCHED = GGX(0.3), GGX(0.6, 0.1)
-DEGREES = np.arange(1.0, 90.0)
+DEGREES, HORIZON = np.arange(1.0, 90.0), np.pi / 2 - 1e-9
 SAMPLES, TESTS, LEVEL = 20000, 40, 0.01
 SLOPES, SHOWN = np.linspace(-2, 2, 41), 40  # in units of alpha_x; how many times SAMPLES are drawn for the picture
 VIEW = spherical(np.radians(80.0))
@@ -23,17 +23,22 @@ LIGHTS = np.radians(np.arange(-89.75, 130.0, 0.5))  # polar angles on the far si
 
 
 def areas() -> dict:
-    """Visible area over the cosine, where D and G1 belong to two surfaces."""
-    theta = np.radians(DEGREES)
-    along, across = spherical(theta), spherical(theta, np.pi / 2)
-    mean = Smith(GGX(np.sqrt(STRETCHED.alpha_x * STRETCHED.alpha_y)))
-    return {
-        "mean_along": mean.G1(along, UP) / Smith(STRETCHED).G1(along, UP),
-        "mean_across": mean.G1(across, UP) / Smith(STRETCHED).G1(across, UP),
-        "twice": Smith(GGX(ROUGH.alpha_x**2)).G1(along, UP) / Smith(ROUGH).G1(along, UP),
-        "borrowed": Smith(Beckmann(ROUGH.alpha_x)).G1(along, UP) / Smith(ROUGH).G1(along, UP),
-        "right": max(np.abs(residual(Smith(ndf), "visible_area", along[::8])[0]).max() for ndf in (ROUGH, STRETCHED)),
+    """Visible area over the cosine, where D and G1 belong to two surfaces; and its limit at the horizon."""
+    mean = GGX(np.sqrt(STRETCHED.alpha_x * STRETCHED.alpha_y))
+    slips = {
+        "mean_along": (mean, STRETCHED, 0.0),
+        "mean_across": (mean, STRETCHED, np.pi / 2),
+        "twice": (GGX(ROUGH.alpha_x**2), ROUGH, 0.0),
+        "borrowed": (Beckmann(ROUGH.alpha_x), ROUGH, 0.0),
     }
+    found = {}
+    for name, (other, own, azimuth) in slips.items():
+        views = spherical(np.append(np.radians(DEGREES), HORIZON), azimuth)
+        area = Smith(other).G1(views, UP) / Smith(own).G1(views, UP)
+        found |= {name: area[:-1], f"{name}_limit": area[-1]}
+    along = spherical(np.radians(DEGREES[::8]))
+    off = max(np.abs(residual(Smith(ndf), "visible_area", along)[0]).max() for ndf in (ROUGH, STRETCHED))
+    return found | {"right": off}
 
 
 def ring_odds(normals: np.ndarray, rings: int = 24) -> float:

@@ -64,6 +64,10 @@ def test_masking_of_another_surface_is_off_by_a_quotient(slips: dict[str, Any]) 
     for name, values in expected.items():
         np.testing.assert_allclose(slips[name], values, rtol=6e-4, err_msg=name)  # four digits are kept
     assert slips["right"] < 1e-11
+    limits = {"mean_along": np.sqrt(0.6 / 0.1), "mean_across": np.sqrt(0.1 / 0.6), "twice": 1 / 0.3, "borrowed": np.sqrt(np.pi)}
+    for name, limit in limits.items():
+        assert float(slips[f"{name}_limit"]) == pytest.approx(limit, rel=6e-4)
+        assert (np.abs(slips[name] - 1) <= abs(limit - 1) * 1.0006).all(), name
 
 
 def test_slopes_of_samples_are_those_of_their_surface(slips: dict[str, Any]) -> None:
