@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from microfacet.compiler.batch import Batch
 from microfacet.geometry.beckmann import Lambda as LAMBDA
 from scipy import special
 
@@ -23,8 +24,15 @@ def lambda_erfcx(a: np.ndarray) -> np.ndarray:
     return np.exp(-a * a) * (1 / (2 * np.sqrt(np.pi) * a) - 0.5 * special.erfcx(a))
 
 
+def walter(a: float, p: tuple[()]) -> float:
+    return (1.0 - 1.259 * a + 0.396 * a * a) / (3.535 * a + 2.181 * a * a) if a < 1.6 else 0.0
+
+
+WALTER = Batch(walter, [1])  # compiled as the library's own is
+
+
 def lambda_walter(a: np.ndarray) -> np.ndarray:
-    return np.where(a < 1.6, (1 - 1.259 * a + 0.396 * a * a) / (3.535 * a + 2.181 * a * a), a.dtype.type(0))
+    return np.asarray(WALTER([a]))
 
 
 def lambda_library(a: np.ndarray) -> np.ndarray:
@@ -51,8 +59,8 @@ METHODS = {
     "erfc_single": _lambda("SciPy's erfc, single", lambda_erfc, np.float32, (lambda_erfc,)),
     "erfcx": _lambda("SciPy's erfcx, double", lambda_erfcx, np.float64, (lambda_erfcx,)),
     "erfcx_single": _lambda("SciPy's erfcx, single", lambda_erfcx, np.float32, (lambda_erfcx,)),
-    "walter": _lambda("Walter's fit, double", lambda_walter, np.float64, (lambda_walter,)),
-    "walter_single": _lambda("Walter's fit, single", lambda_walter, np.float32, (lambda_walter,)),
+    "walter": _lambda("Walter's fit, double", lambda_walter, np.float64, (WALTER,)),
+    "walter_single": _lambda("Walter's fit, single", lambda_walter, np.float32, (WALTER,)),
     "library": _lambda("this library, double", lambda_library, np.float64, (LAMBDA._batch,)),
     "library_single": _lambda("this library, single", lambda_library, np.float32, (LAMBDA._batch,)),
 }
