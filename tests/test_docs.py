@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import doctest
 import filecmp
 import inspect
 import re
@@ -16,6 +15,7 @@ from urllib.parse import unquote, urlsplit
 
 import microfacet as mf
 import pytest
+from as_printed import run_as_printed
 from microfacet.__main__ import main
 from microfacet.statements.statement import Equation
 from numpydoc.validate import validate
@@ -45,12 +45,6 @@ def test_code_of_a_page_runs_as_printed(page: str, monkeypatch: pytest.MonkeyPat
     """From top to bottom, in a checkout."""
     monkeypatch.chdir(ROOT)
     run_as_printed("\n".join(blocks(page, "python")), page)
-
-
-def run_as_printed(text: str, name: str) -> None:
-    test = doctest.DocTestParser().get_doctest(text, {"__name__": "__main__"}, name, name, 0)
-    assert test.examples
-    assert doctest.DocTestRunner().run(test).failed == 0
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "sh")])

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import doctest
 import re
 from pathlib import Path
 
 import pytest
+from as_printed import run_as_printed
 
 ROOT = Path(__file__).resolve().parents[1]
 TEXT = (ROOT / "README.md").read_text("utf-8")
@@ -15,8 +15,7 @@ BLOCKS = re.findall(r"^```python\n(.*?)^```", TEXT, re.M | re.S)
 
 @pytest.mark.parametrize("block", BLOCKS, ids=["use", "add a distribution"])
 def test_code_runs_as_printed(block: str) -> None:
-    test = doctest.DocTestParser().get_doctest(block, {"__name__": "__main__"}, "README.md", "README.md", 0)
-    assert doctest.DocTestRunner().run(test).failed == 0
+    run_as_printed(block, "README.md")
 
 
 def test_commands_exist() -> None:
