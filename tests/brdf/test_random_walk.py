@@ -208,6 +208,13 @@ def test_hardly_any_plain_walk_finds_what_is_found() -> None:
     assert first.value > 0
 
 
+@pytest.mark.parametrize("part", [0, 1], ids=["first bounce", "later ones"])
+def test_the_standard_error_of_connections_is_the_scatter_of_other_walks(part: int) -> None:
+    found = [WALKS[0].connections(VIEWS[2], spherical(0.3), 64, seed)[part] for seed in range(400)]
+    values, errors = (np.array([getattr(one, name) for one in found]) for name in ("value", "error"))
+    assert np.sqrt(np.mean(errors**2)) == pytest.approx(values.std(), rel=0.2)
+
+
 def test_the_error_of_a_value_holds_its_largest_part() -> None:
     """Of two walks one sends nearly all: the scatter is as large, and 38 times its half is added."""
     walk = WALKS[0]

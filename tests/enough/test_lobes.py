@@ -14,6 +14,8 @@ from microfacet.enough import lobes
 from microfacet.enough.candidates import maskings
 from microfacet.enough.lobes import COLUMNS, ROWS, SIDE, Reference, Ruled, bins, lobe_of, nodes, ruled, surface, walked
 from microfacet.enough.scene import Point, Scene
+from microfacet.surface.height_field import Hits
+from microfacet.surface.lanes import ESCAPED
 from samples import uniform
 from scipy import integrate, stats
 
@@ -253,6 +255,26 @@ def test_one_bounce_needs_no_walk() -> None:
 
 
 @pytest.mark.slow
+def test_rays_start_one_in_each_square_of_a_grid() -> None:
+    """Evenly within it, so that all of a surface is seen alike."""
+
+    class Pierced:
+        size, highest = 512, 3.0
+
+        def trace(self, origins: np.ndarray, directions: np.ndarray, facets: np.ndarray) -> Hits:
+            self.origins = origins
+            return Hits(np.full(len(origins), ESCAPED), np.full(len(origins), np.inf))
+
+    field: Any = Pierced()
+    lobes._traced(field, Scene(0.5, normals="beckmann"), Point(0.5, 0.5, 40.0, 0.0), 0)
+    places = field.origins[:, :2] * SIDE / field.size
+    squares = np.floor(places)
+    assert len(np.unique(squares, axis=0)) == SIDE**2
+    assert (squares.min(), squares.max()) == (0, SIDE - 1)
+    assert stats.kstest((places - squares).ravel(), "uniform").pvalue > 1e-4
+    assert (field.origins[:, 2] == field.highest).all()
+
+
 def test_surfaces_say_what_rays_may_have_missed() -> None:
     point = Point(0.3, 0.3, 0, 0)
     found = surface(Scene(0.3, normals="beckmann", fresnel=METAL), point, 2)

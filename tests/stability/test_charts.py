@@ -251,6 +251,18 @@ def test_maps_of_digits() -> None:
                 assert data[f"{kind}_{real}_worst"] == pytest.approx(np.nanmin(data[f"{kind}_{real}"]), abs=1e-2)
 
 
+def test_curves_of_digits_stand_over_the_argument_of_lambda() -> None:
+    """The root less 1, in single precision: what is left of it at each argument."""
+    data = chart("digits_Lambda")
+    a = data["ggx_a"].astype(np.float32)
+    root = (np.sqrt(1 + 1 / (a * a)) - 1) / 2
+    exact = 1 / (2 * data["ggx_a"] ** 2) / (1 + np.sqrt(1 + 1 / data["ggx_a"] ** 2))
+    digits = -np.log10(np.abs(root.astype(float) / exact - 1).clip(1e-8))
+    inside = (data["ggx_a"] > 3) & (digits > 0.5)
+    assert abs(np.mean((data["ggx_root_float32_curve"] - digits)[inside])) < 0.25
+    assert data["ggx_root_float32_from"] == data["ggx_a"][data["ggx_root_float32_curve"] < 3].min()
+
+
 def test_newtons_errors_fall_with_steps_to_a_floor() -> None:
     data = chart("samplers")
     assert data["steps"].tolist() == list(range(1, 9))

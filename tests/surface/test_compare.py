@@ -181,6 +181,13 @@ def test_the_illuminated_fraction_is_a_mean_over_the_facets_turned_to_both() -> 
     assert illuminated_fraction(model, wo, wi, reach=2.0) != pytest.approx(illuminated_fraction(model, wo, wi), rel=1e-4)
 
 
+def test_the_illuminated_fraction_of_a_ridged_surface_has_a_grid_as_narrow_as_its_slopes() -> None:
+    """Across the ridges a grid as wide as along them would step over all slopes but one."""
+    wo, wi = spherical(1.2, 0.4), spherical(1.3, 1.0)
+    ridged = illuminated_fraction(mf.VCavity(mf.Beckmann(0.8, 0.01)), wo, wi)
+    assert illuminated_fraction(mf.VCavity(mf.Beckmann(0.8, 0.01)), wo, wi, side=800) == pytest.approx(ridged, rel=5e-3)
+
+
 # --- distances --------------------------------------------------------------------------------------------------------------
 
 

@@ -74,7 +74,8 @@ def p_value(normals: Array, density: Density, wo: Array, scale: tuple[float, flo
     """
     cells = SlopeCells(wo, scale)
     counts, expected = cells.counts(normals), len(normals) * cells.integrals(density)
-    if abs(expected.sum() / len(normals) - 1) > 1e-3 or counts.sum() != len(normals):
+    below = normals[:, 2] < 0  # whose slope is that of the normal opposite to it
+    if below.any() or abs(expected.sum() / len(normals) - 1) > 1e-3 or counts.sum() != len(normals):
         return 0.0
     tests = [(counts, expected), (counts.sum(0), expected.sum(0)), (counts.sum(1), expected.sum(1))]
     return min(1.0, 3 * min(p_value_of_counts(*test) for test in tests))
