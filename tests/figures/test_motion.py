@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from report import motion, plotting
@@ -33,6 +34,15 @@ def test_every_rule_has_its_part_and_its_keyframes(script: Path, compute: Comput
         assert name in frames
     assert "prefers-reduced-motion: reduce" in text
     assert len(text) < LARGEST
+
+
+@pytest.mark.parametrize("dpi", [72, 144])
+def test_places_are_in_points_from_the_upper_left_corner(dpi: int) -> None:
+    """Whatever the resolution is: a figure of 4 by 3 inches has 288 by 216 points."""
+    figure = plt.figure(figsize=(4, 3), dpi=dpi)
+    axes = figure.add_axes((0, 0, 1, 1), xlim=(0, 4), ylim=(0, 3))
+    np.testing.assert_allclose(motion.on_paper(axes, [(0, 3), (4, 0), (1, 2)]), [(0, 0), (288, 216), (72, 72)], atol=1e-9)
+    plt.close(figure)
 
 
 @pytest.mark.parametrize("script", MOVING, ids=lambda p: p.stem)

@@ -16,6 +16,7 @@ SAID = {
     TRACE: (1, "{log}: ZeroDivisionError: division by zero (the log says where)"),
     "a warning\n" + TRACE: (1, "{log}: ZeroDivisionError: division by zero (the log says where)"),
     "": (3, "{log}: the job ended with status 3 and without a word"),
+    "no signal": (128, "{log}: no signal"),
     "half of": (137, "{log}: the job was killed (SIGKILL); start the build again"),
 }
 
