@@ -357,7 +357,7 @@ LEFT: dict[str, Callable[[], Iterator[Left]]] = {
     "visibility.stretching.v_cavity": here(lambda n: cavity(*_moved(n)), G1_before=lambda: cavity(VIEW, FACETS["front"])),
     "visibility.stretching.visible_normals": here(
         lambda n: _seen_per_slopes(*_moved(n), AX, AY) * AX * AY,
-        shares_before=lambda: _seen_per_slopes(VIEW, FACETS["front"], 1.0, 1.0),
+        visible_before=lambda: _seen_per_slopes(VIEW, FACETS["front"], 1.0, 1.0),
     ),
     "visibility.stretching.sight": here(lambda n: np.tan(np.arctan2(VIEW[2], np.hypot(AX * VIEW[0], AY * VIEW[1])))),
 }
