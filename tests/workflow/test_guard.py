@@ -346,3 +346,13 @@ def test_a_build_beside_another_is_one_sentence(built: Checkout) -> None:
             assert "Another build is running in this checkout: wait for it to end." in done.stdout
             assert "Building DAG" not in done.stdout
         assert "good condition" in built.snakemake("--lint").stdout
+
+
+def test_drawings_are_the_stills_of_all_and_the_moving_ones_of_those_that_move(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(Path(__file__).resolve().parents[2])
+    figures = inventory.figures()
+    moving = {f"build/figures/{name}.moving.svg" for name, one in figures.items() if one.moves}
+    assert 0 < len(moving) < len(figures)
+    drawn = build.drawings(list(figures))
+    assert {path for path in drawn if path.endswith(".moving.svg")} == moving
+    assert len(drawn) == len(set(drawn)) == len(moving) + len(build.ENDINGS) * len(figures)
