@@ -353,6 +353,11 @@ def kernel_normalized_D(wm: Vector, p: Power) -> float:
     return normalized_power(wm[0], wm[1], wm[2], p.n)
 
 
+def kernel_drawn(wm: Vector, p: Power) -> float:
+    """The normalised distribution where the other is not 0, so that no direction has a density and no value."""
+    return (p.n + 2.0) / (2.0 * pi) * power_of_cosine(wm[0], wm[1], wm[2], p.n)
+
+
 def kernel_Lambda(w: Vector, p: Power) -> float:
     x, y, z = w
     across = sqrt(x * x + y * y)
@@ -427,7 +432,7 @@ class BlinnPhong(Distribution):
 
     kernel: ClassVar[Callable[..., float]] = staticmethod(kernel_D)
     sample_kernel: ClassVar[Callable[..., Pair] | None] = staticmethod(kernel_sample)
-    sampled_kernel: ClassVar[Callable[..., float] | None] = staticmethod(kernel_normalized_D)
+    sampled_kernel: ClassVar[Callable[..., float] | None] = staticmethod(kernel_drawn)
     excess_kernel: ClassVar[Callable[..., float] | None] = staticmethod(kernel_excess)
     closed_Lambda: ClassVar[Callable[..., float] | None] = staticmethod(kernel_Lambda)
     isotropic = True
