@@ -21,7 +21,7 @@ from microfacet.compiler import cache, loop
 from microfacet.compiler.batch import Batch
 from microfacet.compiler.cache import SUFFIX, CacheWarning, cache_directory
 
-LIBRARY = Path(__file__).parent.parent / "lib"
+LIBRARY = Path(__file__).parents[2] / "lib"
 NOBODY = 65534
 as_root = pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="takes another user's rights")
 

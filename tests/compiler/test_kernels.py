@@ -335,7 +335,7 @@ def run(code: str, **environment: str) -> Any:
 @pytest.mark.slow
 def test_a_cached_kernel_compiles_nothing(tmp_path: Path) -> None:
     """Another process, and no compilation in it: what a figure that is redrawn relies on."""
-    library = str(Path(__file__).parent.parent / "lib")
+    library = str(Path(__file__).parents[2] / "lib")
     environment = {"MICROFACET_CACHE": str(tmp_path), "PYTHONPATH": library}
     compiled, values = run(COUNT, **environment)
     assert compiled > 0
@@ -370,7 +370,7 @@ print(json.dumps([len(seen.buffer), float(value)]))
 @pytest.mark.slow
 def test_classes_of_a_main_program_are_no_part_of_what_is_kept(tmp_path: Path) -> None:
     """Another process has them not; and classes of other fields are other parameters there too."""
-    environment = {"MICROFACET_CACHE": str(tmp_path), "PYTHONPATH": str(Path(__file__).parent.parent / "lib")}
+    environment = {"MICROFACET_CACHE": str(tmp_path), "PYTHONPATH": str(Path(__file__).parents[2] / "lib")}
     one, other = (NAMED.format(fields=f"{a}: float\n    {b}: float") for a, b in (("slope", "constant"), ("constant", "slope")))
     (compiled, value), again = run(one, **environment), run(one, **environment)
     assert compiled > 0
@@ -391,7 +391,7 @@ print(json.dumps([float(values[name]()) for name in sys.argv[1:]]))
 @pytest.mark.slow
 def test_a_kernel_that_shares_functions_is_found_alone(tmp_path: Path) -> None:
     """Compiled after another one, its loop refers to that one's module, which a later process has not loaded."""
-    environment = os.environ | {"MICROFACET_CACHE": str(tmp_path), "PYTHONPATH": str(Path(__file__).parent.parent / "lib")}
+    environment = os.environ | {"MICROFACET_CACHE": str(tmp_path), "PYTHONPATH": str(Path(__file__).parents[2] / "lib")}
     command = [sys.executable, "-c", SHARED]
     both, alone = (
         json.loads(subprocess.run([*command, *names], env=environment, capture_output=True, text=True, check=True).stdout)

@@ -228,7 +228,7 @@ except KeyboardInterrupt:
 def test_the_wait_for_what_is_done_apart_ends_at_an_interrupt() -> None:
     """And so does the process: compiling that is under way does not keep it."""
     begin = time.perf_counter()
-    environment = os.environ | {"PYTHONPATH": str(Path(__file__).parent.parent / "lib")}
+    environment = os.environ | {"PYTHONPATH": str(Path(__file__).parents[2] / "lib")}
     done = subprocess.run([sys.executable, "-c", WAITING], env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert 0.4 < float(done.stdout) < 1.5
@@ -296,7 +296,7 @@ print(json.dumps(took))
 @pytest.mark.slow
 @pytest.mark.parametrize("number", ["1", "2"])
 def test_long_calls_end_soon_after_an_interrupt_and_the_next_is_right(number: str) -> None:
-    environment = os.environ | {"MICROFACET_THREADS": number, "PYTHONPATH": str(Path(__file__).parent.parent / "lib")}
+    environment = os.environ | {"MICROFACET_THREADS": number, "PYTHONPATH": str(Path(__file__).parents[2] / "lib")}
     done = subprocess.run([sys.executable, "-c", INTERRUPTED], env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     for name, seconds in json.loads(done.stdout).items():
