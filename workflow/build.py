@@ -198,10 +198,11 @@ def chapter_imports(stem: str) -> list[str]:
 def chapter_names(stem: str) -> str:
     """Changes with the text of the named statements and captions, not with the drawing of a figure."""
     statements, figures = inventory.statements(), inventory.figures()
-    latex = {key: statements.get(key, {}).get("latex") for key in text(stem).named("equation")}
+    stated = [statements.get(key) for helper in ("equation", "computed") for key in text(stem).named(helper)]
+    forms = [facts and [facts["latex"], facts["computed_latex"]] for facts in stated]
     captions = {name: figures[name].printed_text for name in text(stem).named("figure") if name in figures}
     models = [figure.model for figure in figures.values()] if "models_of_light" in text(stem).calls else []
-    return digest([latex, captions, models])
+    return digest([forms, captions, models])
 
 
 def report_tools(form: str) -> list[str]:

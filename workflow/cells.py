@@ -1,11 +1,12 @@
 """What a chapter's cells may call. Each helper but `data` and `sci` returns Markdown: it shows in a notebook too.
 
-from cells import data, equation, figure, ledger_table, models_of_light, sci, table, verdicts
+from cells import computed, data, equation, figure, ledger_table, listing, models_of_light, sci, table, verdicts
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import inspect
+from collections.abc import Callable, Mapping, Sequence
 from math import ceil, log10
 from pathlib import Path
 from typing import Any
@@ -24,13 +25,21 @@ class Markdown:
         return self.text
 
 
-def equation(key: str, *, again: bool = False) -> Markdown:
-    """A statement of the library, numbered, with its check marks; `again` repeats it unnumbered."""
+def equation(key: str) -> Markdown:
+    """A statement of the library, numbered, with its check marks."""
+    return Markdown(f"$$ {_facts(key)['latex']} $$ {{#eq:{key}}}")
+
+
+def computed(key: str) -> Markdown:
+    """A statement in the form that the library evaluates, which keeps its digits; it has no number of its own."""
+    return Markdown(f"$$ {_facts(key)['computed_latex']} $$")
+
+
+def _facts(key: str) -> dict[str, Any]:
     statements = inventory.statements()
     if key not in statements:
         raise LookupError(inventory.unknown("equation", key, statements))
-    label = "" if again else f" {{#eq:{key}}}"
-    return Markdown(f"$$ {statements[key]['latex']} $$" + label)
+    return statements[key]
 
 
 def figure(name: str, width: float = 100, place: str = "auto") -> Markdown:
@@ -78,6 +87,11 @@ def table(
     lines = [headers, [rule[letter] for letter in letters], *body]
     text = "\n".join("| " + " | ".join(line) + " |" for line in lines)
     return Markdown(f"{text}\n\n: {caption} {{#{label}}}")
+
+
+def listing(function: Callable[..., Any]) -> Markdown:
+    """The text of a function, to be copied."""
+    return Markdown(f"```python\n{inspect.getsource(function).strip()}\n```")
 
 
 def cell_text(cell: object) -> str:

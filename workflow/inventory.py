@@ -137,6 +137,7 @@ def facts(equation: Any, fingerprint: str) -> dict[str, Any]:
         "slides": list(equation.slides),
         "cite": equation.cite,
         "latex": equation.latex,
+        "computed_latex": equation.computed_latex,
     }
 
 
@@ -326,7 +327,8 @@ def refuse_computed_names(path: Path, code: str, tree: ast.Module) -> None:
     """The build knows what a chapter needs only if it is written there."""
     for call in (node for node in ast.walk(tree) if isinstance(node, ast.Call)):
         helper = call.func.id if isinstance(call.func, ast.Name) else ""
-        if helper in ("data", "equation", "figure") and not isinstance(call.args[0] if call.args else None, ast.Constant):
+        first = call.args[0] if call.args else None
+        if helper in ("computed", "data", "equation", "figure") and not isinstance(first, ast.Constant):
             fault(f"{path}: {helper}(...) takes a name in quotes, or the build cannot know what is needed: {code.strip()}")
 
 

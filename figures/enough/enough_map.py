@@ -2,10 +2,10 @@ r"""Which model is enough depends on the roughness and on the tolerance.
 
 For a metal like silver, seen from $0$ to $80^\circ$: the cheapest model whose error is known to be below the tolerance.
 Left to right: errors of the albedo, of the lobe, and of spheres in a picture. Above, GGX, relative to Smith's random walk
-with exact Fresnel reflectance; below, Gaussian slopes, relative to ray-traced surfaces. Below the black line single
-scattering is not enough, whichever form it takes. Ticks at the top: roughnesses that were measured; between them errors
-are interpolated. Grey: the cheapest is a model of GGX, with or without energy put back. In the white part at the bottom
-no model is known to be enough.
+with exact Fresnel reflectance; below, Gaussian slopes, relative to ray-traced surfaces. Black line: the error of single
+scattering by Smith's height-correlated model with exact reflectance. One bounce that is enough below it owes that to
+errors that cancel. Ticks at the top: roughnesses that were measured; between them errors are interpolated. Grey: the
+cheapest is a model of GGX, with or without energy put back. In the white part at the bottom no model is known to be enough.
 """
 
 import sys
@@ -68,7 +68,7 @@ def panel(ax: plotting.Axes, data: dict, normals: str, m: int) -> None:
     shown = np.where(np.isnan(first), np.nan, kinds[np.nan_to_num(first).astype(int)])
     shades = ListedColormap(list(KINDS.values()))
     ax.pcolormesh(fine, TOLERANCE, shown, cmap=shades, vmin=-0.5, vmax=len(KINDS) - 0.5, rasterized=True)
-    ax.plot(fine, errors[:, data[f"{normals}_once"]].min(axis=1), color=plotting.COLOURS["ink"], linestyle="-", linewidth=1.2)
+    ax.plot(fine, errors[:, data[f"{normals}_complete"][0]], color=plotting.COLOURS["ink"], linestyle="-", linewidth=1.2)
     ax.plot(alpha, np.full(len(alpha), TOLERANCE[-1]), "|", color=plotting.COLOURS["ink"], markersize=5, clip_on=False)
     ax.set(xscale="log", yscale="log", xlim=(alpha[0], alpha[-1]), ylim=(TOLERANCE[0], TOLERANCE[-1]))
     ax.set(xticks=[0.05, 0.1, 0.2, 0.5, 1], xticklabels=["0.05", "0.1", "0.2", "0.5", "1"])
@@ -87,7 +87,7 @@ def draw(data: dict) -> plotting.Figure:
     for ax in axes[1]:
         ax.set_xlabel(r"roughness $\alpha$")
     patches = [Patch(facecolor=shade, label=name) for name, shade in KINDS.items()]
-    line = Line2D([], [], color=plotting.COLOURS["ink"], linewidth=1.2, linestyle="-", label="the last of one bounce")
+    line = Line2D([], [], color=plotting.COLOURS["ink"], linewidth=1.2, linestyle="-", label="one bounce, Smith, exact")
     figure.legend(handles=[*patches, line], loc="lower center", ncols=3, bbox_to_anchor=(0.53, -0.01))
     return figure
 

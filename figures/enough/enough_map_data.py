@@ -6,7 +6,7 @@ from pathlib import Path
 import microfacet as mf
 import numpy as np
 from microfacet.enough import cost
-from microfacet.enough.candidates import Candidate, maskings
+from microfacet.enough.candidates import COMPENSATIONS, Candidate, maskings
 from microfacet.enough.choice import MEASURES, cheapest_first
 from microfacet.enough.comparison import Comparison
 from microfacet.enough.scene import Scene
@@ -16,8 +16,20 @@ ALPHA = np.geomspace(0.05, 1, 8)
 THETA = (0.0, 80.0)
 RECORD = Path("records/benchmarks.json")
 METAL = mf.Conductor(0.2, 3.9)  # close to silver in green light, as in the figure `spheres`
+GLASS = mf.Dielectric(1.5)
 SURFACES, WALKS = 12, 1 << 17
 NORMALS = ("ggx", "beckmann")
+
+
+def complete(normals: str, compensation: str) -> Candidate:
+    """Nothing is simplified but, perhaps, what happens after the first bounce."""
+    return Candidate(normals, "height", "exact", False, compensation, False)
+
+
+def glass() -> np.ndarray:
+    """What is sure to be no less than the error of a picture of glass by one bounce of GGX, for each roughness."""
+    scenes = [Scene(alpha, THETA, normals="ggx", fresnel=GLASS) for alpha in ALPHA]
+    return np.array([Comparison(one, SURFACES, WALKS).measured(complete("ggx", "none"), "picture").most for one in scenes])
 
 
 def errors(normals: str, order: list[Candidate]) -> tuple[np.ndarray, np.ndarray]:
@@ -40,11 +52,12 @@ def compute() -> dict:
         data |= {
             f"{normals}_maskings": np.array([maskings()[one.masking][0] for one in order]),
             f"{normals}_words": np.array([one.label for one in order]),
+            f"{normals}_complete": np.array([order.index(complete(normals, one)) for one in COMPENSATIONS]),
             f"{normals}_once": np.array([one.compensation == "none" for one in order]),
             f"{normals}_most": most,
             f"{normals}_bound": bound,
         }
-    return rounded(data | {"timed": np.array(bool(costs))}, digits=5)
+    return rounded(data | {"timed": np.array(bool(costs)), "glass_picture": glass()}, digits=5)
 
 
 if __name__ == "__main__":

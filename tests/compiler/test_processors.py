@@ -212,6 +212,8 @@ WAITING = """
 import os, signal, threading, time
 from microfacet.compiler.processors import in_own_thread
 
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background of a shell ignores it
+
 def interrupt():
     time.sleep(0.5)
     os.kill(os.getpid(), signal.SIGINT)
@@ -240,6 +242,8 @@ import json, os, signal, sys, threading, time
 import numpy as np
 import microfacet as mf
 from microfacet.surface.height_field import HeightField
+
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background of a shell ignores it
 
 def directions(n):
     z, phi = np.random.default_rng(n).random((2, n)) * [[1.0], [7.0]]

@@ -104,8 +104,8 @@ def test_every_sample_of_a_half_counts_and_no_other(spheres: dict[str, Any], mon
     monkeypatch.setitem(names, "environment", environment)
     monkeypatch.setitem(names, "light_density", lambda w: np.full(len(w), 4.0))
     guide, axes = Guide(), spheres["frames"](np.array([[0.6, 0.0, 0.8], [0.0, 0.6, 0.8]]))
-    halves = spheres["shade"](Even(), guide, axes, np.zeros((2, 2)))
-    samples = spheres["SAMPLES"]
+    samples = 96
+    halves = spheres["shade"](Even(), guide, axes, np.zeros((2, 2)), samples)
     assert guide.calls == samples // 2
     weight = 1 / np.pi / ((2 + 4) / 2)
     means = [weight * (1 + samples / 2) / 2, weight * (1 + samples / 2 + samples) / 2]

@@ -76,9 +76,10 @@ def test_a_statement_knows_where_it_stands() -> None:
     assert 'key="geometry.ggx.Lambda"' in "\n".join(text[int(line) - 2 : int(line) + 3])
 
 
-def test_kernels_want_their_arguments() -> None:
-    with pytest.raises(ValueError, match=r"geometry.ggx.Lambda takes 1 arguments \(a,\), got 2"):
-        mf.equations["geometry.ggx.Lambda"].kernel(1.0, 2.0)
+def test_kernels_and_references_want_their_arguments() -> None:
+    for evaluate in (mf.equations["geometry.ggx.Lambda"].kernel, mf.equations["geometry.ggx.Lambda"].exact):
+        with pytest.raises(ValueError, match=r"geometry.ggx.Lambda takes 1 arguments \(a,\), got 2"):
+            evaluate(1.0, 2.0)
     for wrong in (1j, "a", None, np.ma.masked):
         with pytest.raises(ValueError, match="a must be an array of numbers, got"):
             mf.equations["geometry.ggx.Lambda"].kernel(wrong)

@@ -74,9 +74,10 @@ def test_a_figure_is_shown_with_its_caption_slides_and_width(small: Checkout) ->
 def test_a_statement_is_numbered_once(small: Checkout) -> None:
     key, facts = next(iter(inventory.statements().items()))
     assert cells.equation(key).text == f"$$ {facts['latex']} $$ {{#eq:{key}}}"
-    assert cells.equation(key, again=True).text == f"$$ {facts['latex']} $$"
-    with pytest.raises(LookupError, match="There is no equation called"):
-        cells.equation("none")
+    assert cells.computed(key).text == f"$$ {facts['computed_latex']} $$"
+    for helper in (cells.equation, cells.computed):
+        with pytest.raises(LookupError, match="There is no equation called"):
+            helper("none")
 
 
 def test_data_is_that_of_a_figure_with_data(small: Checkout) -> None:

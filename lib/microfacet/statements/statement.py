@@ -121,6 +121,11 @@ class Equation:
         lines = r" \\ ".join(f"&{s} {r}" for s, r in zip(signs, right, strict=True))
         return rf"\begin{{aligned}} {left} {lines} \end{{aligned}}"
 
+    @property
+    def computed_latex(self) -> str:
+        """LaTeX of the form that is evaluated, which keeps its digits: symbol = rewritten closed form, if there is one."""
+        return f"{latex(self.symbol)} {self.relation} {latex(self.computed)}"
+
     # --- evaluate ---------------------------------------------------------------------------------------------
 
     @property
@@ -151,6 +156,8 @@ class Equation:
 
         Raises
         ------
+        ValueError
+            For another number of arguments.
         ArithmeticError
             If 50 digits cannot be had.
 
@@ -160,6 +167,7 @@ class Equation:
         >>> print(mf.equations["geometry.ggx.Lambda"].exact(2.0))
         0.0590169943749474
         """
+        self._refuse_another_number(arguments)
         return self._reference(*arguments)
 
     @cached_property
@@ -201,9 +209,12 @@ class Equation:
         >>> print(f"{mf.equations['geometry.ggx.Lambda'].kernel(2.0):.12f}")
         0.059016994375
         """
+        self._refuse_another_number(arguments)
+        return self._batch([numbers(str(s), given).array for s, given in zip(self.arguments, arguments, strict=True)])
+
+    def _refuse_another_number(self, arguments: tuple[Any, ...]) -> None:
         if len(arguments) != len(self.arguments):
             raise ValueError(f"{self.key} takes {len(self.arguments)} arguments {self.arguments}, got {len(arguments)}")
-        return self._batch([numbers(str(s), given).array for s, given in zip(self.arguments, arguments, strict=True)])
 
     # --- check ------------------------------------------------------------------------------------------------
 
