@@ -8,7 +8,7 @@ and workflow/. Each mutant lives in a copy of the checkout, and meets the test f
 writes down which, in a first run without mistakes), the file that mirrors it first, until a test fails. Quick tests come first;
 slow ones see only what these let through. A run that does not end in time counts as killed. What the first run wrote down, and
 the kernels that it compiled, are kept in build/mutants: the next one runs only those test files again that changed, or of which
-a function that they call is in a file that changed.
+a function that they call is in a file that changed. So is what became of each mutant: a run that was stopped goes on.
 
 What changes nothing stands in equivalents.toml, with the reason; fewer than 95 % of the others killed is a failure.
 
@@ -253,6 +253,37 @@ def _mirrors(test: str, file: str) -> bool:
     return Path(test).stem == f"test_{Path(file).stem}" and Path(test).parent.name in (*Path(file).parts, "tests")
 
 
+def checkout_digest(root: Path, suites: Sequence[str], tests: Sequence[str]) -> str:
+    """Of all that decides what becomes of a mutant."""
+    found = hashlib.sha256(repr((suites, tests)).encode())
+    for top in ("lib", "figures", "workflow", "tests", "chapters", "records", "Snakefile"):
+        for path in sorted([root / top, *(root / top).rglob("*")]):
+            if path.is_file() and not {"mutation", "__pycache__"} & set(path.relative_to(root).parts):
+                found.update(str(path.relative_to(root)).encode() + b"\0" + path.read_bytes())
+    return found.hexdigest()[:16]
+
+
+class Judged:
+    """What became of mutants of this checkout, a line each, kept under build/."""
+
+    def __init__(self, path: Path, digest: str) -> None:
+        self.path, self.digest = path, digest
+        lines = map(json.loads, path.read_text("utf-8").splitlines() if path.exists() else [])
+        self.known = {(line["place"], line["new"]): line for line in lines if line["digest"] == digest}
+
+    def recall(self, outcome: Outcome) -> bool:
+        """Put down what became of it, if that is known."""
+        line = self.known.get((repr(outcome.place), outcome.new))
+        if line:
+            outcome.by, outcome.seconds = line["by"], line["seconds"]
+        return line is not None
+
+    def keep(self, outcome: Outcome) -> None:
+        line = {"digest": self.digest, "place": repr(outcome.place), "new": outcome.new, "by": outcome.by}
+        with self.path.open("a", encoding="utf-8") as file:
+            file.write(json.dumps(line | {"seconds": outcome.seconds}) + "\n")
+
+
 # --- the run --------------------------------------------------------------------------------------------------------------
 
 
@@ -294,13 +325,13 @@ def _lines(path: Path) -> str:
     return " ".join(line.strip() for line in path.read_text("utf-8").splitlines())
 
 
-def judge(copy: Copy, outcome: Outcome, text: str, known: Sequence[Watched], suites: Sequence[str]) -> Outcome:
+def judge(copy: Copy, outcome: Outcome, text: str, known: Sequence[Watched], suites: Sequence[str]) -> None:
+    """Let its tests meet a mutant."""
     start = time.perf_counter()
     for suite in suites:
         if not outcome.by and (able := chosen(outcome.place, known, suite)):
             outcome.by = copy.judged(outcome.place, text, able, suite)
     outcome.seconds = time.perf_counter() - start
-    return outcome
 
 
 def run(
@@ -316,8 +347,13 @@ def run(
         for test in sorted(test for one in known for test in one.failed):
             print(f"fails without any mistake, and is left out: {test}")
 
+        judged = Judged(kernels.with_name("judged.jsonl"), checkout_digest(root, suites, tests))
+
         def one(copy: Copy, job: tuple[Outcome, str]) -> Outcome:
-            outcome = judge(copy, *job, known, suites)
+            outcome = job[0]
+            if not judged.recall(outcome):
+                judge(copy, *job, known, suites)
+                judged.keep(outcome)
             outcome.why = reason(outcome, why or {})
             print(told(outcome), flush=True)
             return outcome

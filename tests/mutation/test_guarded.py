@@ -192,3 +192,27 @@ def test_what_a_run_took_down_is_taken_until_what_decides_it_changes(tiny: Path,
     other = copy.root / "tests/test_other.py"
     other.write_text(other.read_text() + "\n")
     assert "tests/test_other.py" in again()
+
+
+def test_a_run_that_was_stopped_goes_on(tiny: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What was judged is not judged again, until anything of the checkout changes."""
+    judged: list[str] = []
+
+    def judge(copy: guarded.Copy, outcome: guarded.Outcome, *_: object) -> None:
+        judged.append(outcome.new)
+        if len(judged) == 4:
+            raise KeyboardInterrupt
+        outcome.by = "a test"
+
+    def run() -> list[str]:
+        return [one.by for one in guarded.run(tiny, 6, 3, ["lib/microfacet/tiny"], ["not slow"], workers=1)]
+
+    monkeypatch.setattr(guarded, "judge", judge)
+    monkeypatch.setattr(guarded, "record", lambda *_: [])
+    with pytest.raises(KeyboardInterrupt):
+        run()
+    assert run() == ["a test"] * 6
+    assert len(judged) == 4 + 3
+    (tiny / "tests/test_other.py").write_text("def test_of_another_thing():\n    assert True\n")
+    run()
+    assert len(judged) == 4 + 3 + 6

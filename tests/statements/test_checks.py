@@ -5,6 +5,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, field, fields
 from math import sqrt
 
+import microfacet as mf
 import mpmath
 import numpy as np
 import pytest
@@ -271,3 +272,19 @@ def test_a_family_whose_kernel_is_not_its_statement_is_red(key, kernel, monkeypa
 def test_every_family_that_states_its_D_is_compared_with_it():
     families = {kind.__name__ for key in equations for kind, role in stating(equations[key]) if role == "D"}
     assert families >= {"GGX", "Beckmann", "Ward", "BlinnPhong", "NormalizedBlinnPhong"}
+
+
+def test_scope_of_a_proof_is_the_definition_or_only_a_rewriting():
+    definition = checks.symbolic(mf.equations["visibility.smith.heights"])
+    rewriting = checks.symbolic(mf.equations["geometry.ggx.P22"])
+    assert (definition.measured["scope"], rewriting.measured["scope"]) == ("definition", "rewriting")
+
+
+def test_scope_of_an_enclosure_is_a_range_only_if_all_of_it_is():
+    pytest.importorskip("flint")
+    ranges, points = (
+        checks.enclosed(mf.equations[key]) for key in ("validation.table2.implicit_beckmann", "geometry.ggx.area_at_one")
+    )
+    assert (ranges.measured["scope"], points.measured["scope"]) == ("range", "points")
+    assert checks._common_scope(["range", "points"]) == "points"
+    assert checks._common_scope(["range", "range"]) == "range"

@@ -90,7 +90,7 @@ def test_numbers_and_references_agree(page: str) -> None:
 
 def test_marks_slides_and_works_are_there(page: str) -> None:
     told = words(page)
-    assert re.search(r'id="eq:visibility\.G1".*?<span class="good">✓ [SENM]', page, re.S)
+    assert re.search(r'id="eq:visibility\.G1".*?<span class="good">✓ [SRBENM]', page, re.S)
     assert "(slides 37–39)" in told or "slide" in told
     assert "Figures by slide" in told
     assert "References" in told

@@ -156,7 +156,8 @@ def symbolic(equation: Equation) -> CheckResult:
     if not claims:
         return CheckResult("none", "enclosed only" if equation.enclosed else "a definition")
     detail = equation.proved_by or "sympy: " + ", ".join(name for name, _ in claims)
-    return CheckResult("pass", detail, {"claims": len(claims)})
+    scope = "rewriting" if all("rewrite" in name for name, _ in claims) else "definition"
+    return CheckResult("pass", detail, {"claims": len(claims), "scope": scope})
 
 
 # --- enclosed -------------------------------------------------------------------------------------------------------
@@ -188,13 +189,19 @@ def _enclosed_detail(enclosures: Sequence[enclosures.Enclosure]) -> str:
 
 def _enclosed_figures(enclosures: Sequence[enclosures.Enclosure]) -> dict[str, Any]:
     worst = max(enclosures, key=lambda e: e.radius)
-    figures: dict[str, Any] = {"radius": worst.radius, "at": worst.where, "count": len(enclosures)}
+    scope = _common_scope([e.scope for e in enclosures])
+    figures: dict[str, Any] = {"radius": worst.radius, "at": worst.where, "count": len(enclosures), "scope": scope}
     if not any(e.residual.contains(0) for e in enclosures):
         figures |= {
             "low": min(float(e.residual.lower()) for e in enclosures),
             "high": max(float(e.residual.upper()) for e in enclosures),
         }
     return figures
+
+
+def _common_scope(scopes: Sequence[str]) -> str:
+    """A statement is enclosed over a range only if each of its parts is."""
+    return "range" if set(scopes) == {"range"} else "points"
 
 
 def _enclosed_elsewhere(keys: Sequence[str]) -> CheckResult:
@@ -206,7 +213,8 @@ def _enclosed_elsewhere(keys: Sequence[str]) -> CheckResult:
     worst = max(marks.values(), key=lambda mark: mark.measured["radius"]).measured
     count = sum(mark.measured["count"] for mark in marks.values())
     detail = f"0 within {worst['radius']:.1e} at {count} points of {len(keys)} models"
-    return CheckResult("pass", detail, {**worst, "count": count})
+    scope = _common_scope([mark.measured["scope"] for mark in marks.values()])
+    return CheckResult("pass", detail, {**worst, "count": count, "scope": scope})
 
 
 # --- numeric --------------------------------------------------------------------------------------------------------

@@ -18,10 +18,14 @@ DEEPEST = 60  # halvings of a box
 
 @dataclass(frozen=True)
 class Enclosure:
-    """A ball that is proved to hold a statement's left side minus its right side. where: at which parameters."""
+    """A ball that is proved to hold a statement's left side minus its right side.
+
+    where: at which parameters. scope: whether these are a whole range or points of it.
+    """
 
     where: str
     residual: Ball
+    scope: str = "points"
 
     def supports(self, relation: str) -> bool:
         """Whether the ball proves the relation; for equality it can only fail to disprove it, within `RADIUS`."""
@@ -95,7 +99,7 @@ def over(residual: Callable[..., Ball], **box: tuple[Any, Any]) -> Enclosure:
     with precision(ENCLOSING):
         whole = [between(*ends) for ends in box.values()]
         parts = _parts(lambda *balls: residual(**dict(zip(box, balls, strict=True))), whole, DEEPEST)
-        return Enclosure(", ".join(f"{k} in [{float(a):g}, {float(b):g}]" for k, (a, b) in box.items()), parts)
+        return Enclosure(", ".join(f"{k} in [{float(a):g}, {float(b):g}]" for k, (a, b) in box.items()), parts, "range")
 
 
 def _parts(residual: Callable[..., Ball], box: list[Ball], halvings: int) -> Ball:
