@@ -3,8 +3,8 @@ r"""The distribution of normals forgets where a facet lies and keeps only how it
 Every facet travels, without turning, to the place on the circle where its normal points, and is stacked there with
 the facets of the same bin. From left to right: the surface, half way, and all facets sorted, with the share of the
 surface's length that each bin of $24^\circ$ holds. The length in a bin, divided by the width of the bin, is
-$D(\omega_m)$; summed over all bins it is the length of the microsurface. The profile is the report's random polyline,
-here cut into 36 facets.
+$D(\omega_m)$; summed over all bins it is the length of the microsurface. The profile is the curve of
+the figure before, cut into 36 facets.
 """
 
 import sys

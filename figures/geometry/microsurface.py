@@ -1,9 +1,9 @@
 r"""A flat piece of surface, seen close enough, is a microsurface.
 
 Left: the geometric surface, a unit segment with its one normal $\omega_g$. Right: what light meets instead, here a
-periodic polyline of twelve microfacets whose slopes have the root mean square of a Beckmann surface of $\alpha = 1$,
-each facet with its own normal $\omega_m$. The same polyline serves all the drawings that follow, and the lengths
-printed are measured on it.
+periodic polyline of twelve microfacets, each with its own normal $\omega_m$. Its nodes lie on a random smooth curve, whose
+slopes have the root mean square of a Beckmann surface of $\alpha = 1$; the facets are its chords, and flatter. Most
+drawings that follow show this polyline, others the same curve cut into more facets; the lengths printed are measured.
 """
 
 import sys
