@@ -1,9 +1,10 @@
 r"""Some of what is called a microfacet model lies outside microfacet theory.
 
 What is inside of what, without regard to size. Above left, what one would like to have: a description of all that
-surfaces do to light. Below, what there is: a theory of a part of it, and models in use, some of them (with a tick)
-in the theory and some (with a cross) not, as our four equations find at $\alpha = 0.4$; the numbers say how many of
-the four a model fails. The second to the fourth are one condition at three places of the derivation and fail together. Above right, where one should go: further, from what is known to be sound.
+surfaces do to light. Below, what there is: a theory of a part of it, and models in use, some of them (with a tick) in
+the theory and some (with a cross) not, as our four equations find at $\alpha = 0.4$; the numbers say how many of the
+four a model fails. The second to the fourth are one condition at three places of the derivation and fail together.
+Above right, where one should go: further, from what is known to be sound.
 """
 
 import sys
