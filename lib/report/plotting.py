@@ -14,6 +14,7 @@ matplotlib.use("agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch, FancyBboxPatch, Polygon
 from matplotlib.text import Text
@@ -148,19 +149,27 @@ def pieces(ax: Axes, ends: Array, colours: Sequence[str], **style: Any) -> None:
             ax.plot([start[0], stop[0]], [start[1], stop[1]], **(defaults | {"color": colour} | style))
 
 
-def hemisphere(ax: Axes, theta: Array, phi: Array, values: Array, top: float, levels: int = 15) -> None:
-    """Filled contours, from 0 to ``top``, of values (t, p) in bins with the edges ``theta`` and ``phi``, radians.
+LEVELS = 15  # bands of a hemisphere; an odd number has one around 0
 
-    The rim is the horizon and the view, at azimuth 0, is on the left; equal areas are equal solid angles.
+
+def hemisphere(ax: Axes, theta: Array, phi: Array, values: Array, top: float, *, signed: bool = False) -> ContourSet:
+    """Filled contours of values (t, p) in bins with the edges ``theta`` and ``phi``, radians.
+
+    They go from 0 to ``top`` or, if the values are ``signed``, from -top to top in colours that part at 0. The rim is the
+    horizon and the view, at azimuth 0, is on the left; equal areas are equal solid angles.
     """
     rows, azimuth = ((edges[1:] + edges[:-1]) / 2 for edges in (theta, phi))
     radius = np.sqrt(2) * np.sin(np.r_[0, rows, np.pi / 2] / 2)[:, None]
     filled = np.vstack([np.full(len(azimuth), values[0].mean()), values, values[-1]])
     azimuth, filled = np.r_[azimuth, azimuth[0] + 2 * np.pi], np.hstack([filled, filled[:, :1]])
-    ax.contourf(-radius * np.cos(azimuth), radius * np.sin(azimuth), np.clip(filled, 0, top), np.linspace(0, top, levels + 1))
+    least = -top if signed else 0.0
+    levels, colours = np.linspace(least, top, LEVELS + 1), "PuOr_r" if signed else None
+    x, y = -radius * np.cos(azimuth), radius * np.sin(azimuth)
+    contours = ax.contourf(x, y, np.clip(filled, least, top), levels, cmap=colours)
     around = np.linspace(0, 2 * np.pi, 181)
     ax.plot(np.cos(around), np.sin(around), color=COLOURS["grey"], linestyle="-", linewidth=0.6)
     scene(ax, x=(-1.05, 1.05), z=(-1.05, 1.05))
+    return contours
 
 
 def overlaps(figure: Figure) -> list[str]:

@@ -27,6 +27,7 @@ import scene
 import sympy as sp
 from integrals import integral_differs, stands_for_integrals
 from microfacet import arithmetic
+from microfacet.geometry import blinn_phong
 from microfacet.geometry.ggx import inverse_square
 from microfacet.material import fresnel
 from microfacet.statements import ball_functions, balls, checks, enclosures
@@ -271,8 +272,14 @@ POWER = Known(
     ],
     8,
 )
+STUDENT = Known(
+    blinn_phong.student_Lambda,
+    lambda c, n, K: ORIGINAL["geometry.blinn_phong.Lambda"].exact(c, n, K),
+    [(c, n, 1.0) for c in (30.0, 1e3) for n in (2 - 2.0**-52, 16 - 2.0**-49)],  # where n + 1 is rounded
+    8,
+)
 KNOWN: dict[Any, list[Known]] = defaultdict(list)
-for _known in (BEYOND, CONDUCTOR, POWER):
+for _known in (BEYOND, CONDUCTOR, POWER, STUDENT):
     for _function in called(_known.kernel):
         KNOWN[_function].append(_known)
 

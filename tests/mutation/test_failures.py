@@ -388,8 +388,8 @@ class Lifted(HeightField):
 
 def test_rays_with_an_absolute_epsilon() -> None:
     """A thousandth of a cell: they pass over small facets, as they did where this was reported."""
-    heights = ours("surface/test_trace").rough(32, 9).heights
-    assert red("surface/test_trace:skipping_blocks_changes_no_verdict", Lifted(heights))
+    heights = ours("surface/test_height_field").rough(32, 9).heights
+    assert red("surface/test_height_field:skipping_blocks_changes_no_verdict", Lifted(heights))
 
 
 # --- quadrature -----------------------------------------------------------------------------------------------------------

@@ -118,6 +118,17 @@ class Recorder:
         return lambda *arguments, **named: self.calls.setdefault(name, (arguments, named))
 
 
+def test_signed_values_have_bands_on_both_sides_and_one_around_zero() -> None:
+    ax = Recorder()
+    theta, phi = np.radians([0.0, 45, 90]), np.radians([0.0, 180, 360])
+    plotting.hemisphere(ax, theta, phi, np.array([[-9.0, 1.0], [2.0, 9.0]]), top=3.0, signed=True)
+    (_, _, filled, levels), named = ax.calls["contourf"]
+    assert (filled.min(), filled.max()) == (-3, 3)
+    np.testing.assert_allclose(levels, -levels[::-1], atol=1e-15)
+    assert levels[7] < 0 < levels[8]
+    assert named["cmap"] == "PuOr_r"
+
+
 def test_a_hemisphere_shows_equal_solid_angles_as_equal_areas() -> None:
     """A disc of radius r holds the cap of the solid angle 2 pi r^2; the view, at the azimuth 0, is on the left."""
     ax = Recorder()

@@ -138,6 +138,7 @@ normalized_projected_area = Equation(
 
 STEPS = 120  # nodes of the trapezoidal rule below
 REACH = 3.8  # they span (-REACH, REACH)
+STEP = 2.0 * REACH / (STEPS - 1.0)
 HALF_PI = 1.5707963267948966
 
 
@@ -145,13 +146,12 @@ def overlap(w: float, n: float) -> float:
     """H(w, n) by the trapezoidal rule after v = s exp(pi/2 sinh t), which decays doubly exponentially at both ends."""
     power = 0.5 * (n + 3.0)
     middle = 2.0 / (power * w + sqrt(power))
-    step = 2.0 * REACH / (STEPS - 1.0)
     total = 0.0
     for k in range(STEPS):
-        t = k * step - REACH
+        t = k * STEP - REACH
         v = middle * exp(HALF_PI * sinh(t))
         total += cosh(t) * (v * v) * exp(-power * log1p(v * (2.0 * w + v)))
-    return total * step * HALF_PI
+    return total * STEP * HALF_PI
 
 
 v, w = sp.symbols("v w", positive=True)

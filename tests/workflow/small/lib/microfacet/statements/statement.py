@@ -15,6 +15,10 @@ class Equation:
     closed: str
     kernel: str
 
+    @property
+    def computed_latex(self) -> str:
+        return self.latex
+
     def check(self) -> dict[str, Any]:
         points = (0.25, 1.0, 3.0)
         pairs = [[eval(code, {"a": a, "sqrt": sqrt}) for code in (self.closed, self.kernel)] for a in points]
