@@ -5,10 +5,11 @@
 
 places.py says where a mistake can be made and which. A sample of these places is drawn over lib/, the scripts of figures' data
 and workflow/. Each mutant lives in a copy of the checkout, and meets the test files that call the function it is in (watch.py
-writes down which, in a first run without mistakes), the file that mirrors it first, until a test fails. Quick tests come first;
-slow ones see only what these let through. A run that does not end in time counts as killed. What the first run wrote down, and
-the kernels that it compiled, are kept in build/mutants: the next one runs only those test files again that changed, or of which
-a function that they call is in a file that changed. So is what became of each mutant: a run that was stopped goes on.
+writes down which, in a first run without mistakes), the file that mirrors it first, until a test fails. Quick tests come
+first; slow ones see only what these let through and nobody has reviewed. A run that does not end in time counts as killed.
+What the first run wrote down, and the kernels that it compiled, are kept in build/mutants: the next one runs only those test
+files again that changed, or of which a function that they call is in a file that changed. So is what became of each mutant: a
+run that was stopped goes on.
 
 What changes nothing stands in equivalents.toml, with the reason; fewer than 95 % of the others killed is a failure.
 
@@ -38,6 +39,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from queue import SimpleQueue
 from random import Random
@@ -253,9 +255,9 @@ def _mirrors(test: str, file: str) -> bool:
     return Path(test).stem == f"test_{Path(file).stem}" and Path(test).parent.name in (*Path(file).parts, "tests")
 
 
-def checkout_digest(root: Path, suites: Sequence[str], tests: Sequence[str]) -> str:
+def checkout_digest(root: Path, tests: Sequence[str]) -> str:
     """Of all that decides what becomes of a mutant."""
-    found = hashlib.sha256(repr((suites, tests)).encode())
+    found = hashlib.sha256(repr(tests).encode())
     for top in ("lib", "figures", "workflow", "tests", "chapters", "records", "Snakefile"):
         for path in sorted([root / top, *(root / top).rglob("*")]):
             if path.is_file() and not {"mutation", "__pycache__"} & set(path.relative_to(root).parts):
@@ -264,22 +266,22 @@ def checkout_digest(root: Path, suites: Sequence[str], tests: Sequence[str]) -> 
 
 
 class Judged:
-    """What became of mutants of this checkout, a line each, kept under build/."""
+    """What a suite made of mutants of this checkout, a line each, kept under build/."""
 
     def __init__(self, path: Path, digest: str) -> None:
         self.path, self.digest = path, digest
         lines = map(json.loads, path.read_text("utf-8").splitlines() if path.exists() else [])
-        self.known = {(line["place"], line["new"]): line for line in lines if line["digest"] == digest}
+        self.known = {(line["place"], line["new"], line["suite"]): line for line in lines if line["digest"] == digest}
 
-    def recall(self, outcome: Outcome) -> bool:
+    def recall(self, outcome: Outcome, suite: str) -> bool:
         """Put down what became of it, if that is known."""
-        line = self.known.get((repr(outcome.place), outcome.new))
+        line = self.known.get((repr(outcome.place), outcome.new, suite))
         if line:
             outcome.by, outcome.seconds = line["by"], line["seconds"]
         return line is not None
 
-    def keep(self, outcome: Outcome) -> None:
-        line = {"digest": self.digest, "place": repr(outcome.place), "new": outcome.new, "by": outcome.by}
+    def keep(self, outcome: Outcome, suite: str) -> None:
+        line = {"digest": self.digest, "place": repr(outcome.place), "new": outcome.new, "suite": suite, "by": outcome.by}
         with self.path.open("a", encoding="utf-8") as file:
             file.write(json.dumps(line | {"seconds": outcome.seconds}) + "\n")
 
@@ -325,20 +327,22 @@ def _lines(path: Path) -> str:
     return " ".join(line.strip() for line in path.read_text("utf-8").splitlines())
 
 
-def judge(copy: Copy, outcome: Outcome, text: str, known: Sequence[Watched], suites: Sequence[str]) -> None:
-    """Let its tests meet a mutant."""
+def judge(copy: Copy, outcome: Outcome, text: str, known: Sequence[Watched], suite: str) -> None:
+    """Let the tests of a suite meet a mutant."""
     start = time.perf_counter()
-    for suite in suites:
-        if not outcome.by and (able := chosen(outcome.place, known, suite)):
-            outcome.by = copy.judged(outcome.place, text, able, suite)
-    outcome.seconds = time.perf_counter() - start
+    if able := chosen(outcome.place, known, suite):
+        outcome.by = copy.judged(outcome.place, text, able, suite)
+    outcome.seconds += time.perf_counter() - start
 
 
 def run(
     root: Path, number: int, seed: int, among: Sequence[str] = ("",), suites: Sequence[str] = SUITES, workers: int = 2,
     why: dict[tuple[str, str, str], str] | None = None, patience: float = PATIENCE, tests: Sequence[str] = (),
 ) -> list[Outcome]:  # fmt: skip
-    """Draw, judge and return; each outcome is printed as it comes."""
+    """Draw, judge and return; each outcome is printed as it comes.
+
+    All mutants meet one suite before any meets the next, which sees those that are left and were not reviewed.
+    """
     kernels = root / "build" / "mutants" / "kernels"  # named by what they are compiled of, so that another run can take them
     kernels.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="mutants", ignore_cleanup_errors=True) as folder:
@@ -347,19 +351,23 @@ def run(
         for test in sorted(test for one in known for test in one.failed):
             print(f"fails without any mistake, and is left out: {test}")
 
-        judged = Judged(kernels.with_name("judged.jsonl"), checkout_digest(root, suites, tests))
-
-        def one(copy: Copy, job: tuple[Outcome, str]) -> Outcome:
-            outcome = job[0]
-            if not judged.recall(outcome):
-                judge(copy, *job, known, suites)
-                judged.keep(outcome)
+        judged = Judged(kernels.with_name("judged.jsonl"), checkout_digest(root, tests))
+        jobs = list(mutants(copies[0].root, number, seed, among))
+        for outcome, _ in jobs:
             outcome.why = reason(outcome, why or {})
-            print(told(outcome), flush=True)
-            return outcome
 
-        found: list[Outcome] = shared_out(copies, list(mutants(copies[0].root, number, seed, among)), one)
-    return found
+        def one(copy: Copy, job: tuple[Outcome, str], suite: str) -> None:
+            outcome = job[0]
+            if not judged.recall(outcome, suite):
+                judge(copy, *job, known, suite)
+                judged.keep(outcome, suite)
+            if outcome.state != "survived" or suite == suites[-1]:
+                print(told(outcome), flush=True)
+
+        for suite in suites:
+            left = [job for job in jobs if job[0].state == "survived" or suite == suites[0]]
+            shared_out(copies, left, partial(one, suite=suite))
+    return [outcome for outcome, _ in jobs]
 
 
 def told(outcome: Outcome) -> str:
