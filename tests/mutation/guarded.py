@@ -8,8 +8,8 @@ and workflow/. Each mutant lives in a copy of the checkout, and meets the test f
 writes down which, in a first run without mistakes), the file that mirrors it first, until a test fails. Quick tests come
 first; slow ones see only what these let through and nobody has reviewed. A run that does not end in time counts as killed.
 What the first run wrote down, and the kernels that it compiled, are kept in build/mutants: the next one runs only those test
-files again that changed, or of which a function that they call is in a file that changed. So is what became of each mutant: a
-run that was stopped goes on.
+files again that changed, or of which a function that they call is in a file that changed. What became of each mutant is kept
+too, so that a run that was stopped goes on.
 
 What changes nothing stands in equivalents.toml, with the reason; fewer than 95 % of the others killed is a failure.
 
