@@ -1,11 +1,12 @@
 r"""Which model is enough depends on the roughness and on the tolerance.
 
 For a metal like silver, seen from $0$ to $80^\circ$: the cheapest model whose error is known to be below the tolerance.
-Left to right: errors of the albedo, of the lobe, and of spheres in a picture. Above, GGX, relative to Smith's random walk
-with exact Fresnel reflectance; below, Gaussian slopes, relative to ray-traced surfaces. Black line: the error of single
-scattering by Smith's height-correlated model with exact reflectance. One bounce that is enough below it owes that to
-errors that cancel. Ticks at the top: roughnesses that were measured; between them errors are interpolated. Grey: the
-cheapest is a model of GGX, with or without energy put back. In the white part at the bottom no model is known to be enough.
+Left to right: errors of the albedo, of the lobe, and of spheres in a picture. Above, GGX, relative to Smith's random
+walk with exact Fresnel reflectance; below, Gaussian slopes, relative to ray-traced surfaces. Black line: the error of
+single scattering by Smith's height-correlated model with exact reflectance. Below it one bounce is enough only in forms
+whose errors make up for one another. Ticks at the top: roughnesses that were measured; between them errors are
+interpolated. Grey: the cheapest is a model of GGX, with or without energy put back. In the white part at the bottom no
+model is known to be enough.
 """
 
 import sys

@@ -53,7 +53,6 @@ def compute() -> dict:
             f"{normals}_maskings": np.array([maskings()[one.masking][0] for one in order]),
             f"{normals}_words": np.array([one.label for one in order]),
             f"{normals}_complete": np.array([order.index(complete(normals, one)) for one in COMPENSATIONS]),
-            f"{normals}_once": np.array([one.compensation == "none" for one in order]),
             f"{normals}_most": most,
             f"{normals}_bound": bound,
         }

@@ -29,7 +29,7 @@ def differences(ax: plotting.Axes, data: dict, column: int, row: int) -> None:
     ax.axhline(0, color=plotting.COLOURS["grey"], linestyle="-", linewidth=0.6)
     lit, error = data["lit"][column, row], data["error"][column, row]
     for k, (form, mark) in enumerate(zip(data["forms"], MARKS, strict=True)):
-        off, azimuth = data["smith_there"][column, row, k] - lit, data["azimuth"] + 1.5 * (k - 1.5)
+        off, azimuth = data["smith"][column, row, k] - lit, data["azimuth"] + 1.5 * (k - 1.5)
         look = {"marker": mark, "markersize": 2.6, "linewidth": 0.9, "elinewidth": 0.8}
         ax.errorbar(azimuth, off, 2 * error, label=title(str(form)), **look)
     plotting.label(ax, (20, 0.088), f"{lit[0]:.2f}", fontsize=8)

@@ -14,20 +14,19 @@ from report.datafile import rounded, store
 
 ENTRIES = ("azimuths_04", "azimuths_07", "azimuths_10")
 DEGREES = 60.0  # of the view
-FINE = np.linspace(0, 180, 37)
 UP = np.array([0.0, 0.0, 1.0])
 
 
 def smith(alpha: float, theta_i: float, azimuth: np.ndarray) -> np.ndarray:
     """G2/G1 of each form, the same for all facets that are turned to both."""
-    wo, wi = spherical(np.radians(DEGREES)), spherical(theta_i, np.radians(azimuth))
+    wo, wi = spherical(np.radians(DEGREES)), spherical(theta_i, azimuth)
     forms = [Smith(Beckmann(alpha), form) for form in CORRELATIONS]
     return np.array([model.G2(wo, wi, UP) / model.G1(wo, UP) for model in forms])
 
 
-def cavity(alpha: float, theta_i: float) -> np.ndarray:
+def cavity(alpha: float, theta_i: float, azimuth: np.ndarray) -> np.ndarray:
     wo, model = spherical(np.radians(DEGREES)), VCavity(Beckmann(alpha))
-    return np.array([illuminated_fraction(model, wo, spherical(theta_i, azimuth)) for azimuth in np.radians(FINE)])
+    return np.array([illuminated_fraction(model, wo, spherical(theta_i, phi)) for phi in azimuth])
 
 
 def compute() -> dict:
@@ -41,13 +40,11 @@ def compute() -> dict:
             "degrees": DEGREES,
             "theta_i": np.degrees(theta_i),
             "azimuth": np.degrees(azimuth),
-            "fine": FINE,
             "forms": list(CORRELATIONS),
             "lit": np.array([one.value for one in lit]),
             "error": np.array([one.error for one in lit]),
-            "smith": np.array([[smith(a, theta, FINE) for theta in theta_i] for a in alpha]),
-            "smith_there": np.array([[smith(a, theta, np.degrees(azimuth)) for theta in theta_i] for a in alpha]),
-            "v_cavity": np.array([[cavity(a, theta) for theta in theta_i] for a in alpha]),
+            "smith": np.array([[smith(a, theta, azimuth) for theta in theta_i] for a in alpha]),
+            "v_cavity": np.array([[cavity(a, theta, azimuth) for theta in theta_i] for a in alpha]),
         },
         digits=5,
     )

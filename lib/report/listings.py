@@ -71,7 +71,8 @@ def walk(wo: Vector, alpha_x: float, alpha_y: float, uniform: Uniform) -> tuple[
     w, level, bounces = Vector(-wo.x, -wo.y, -wo.z), 1.0, 0
     while True:
         across = (alpha_x * w.x) ** 2 + (alpha_y * w.y) ** 2
-        Lambda = across / (2 * abs(w.z) * (abs(w.z) + sqrt(across + w.z * w.z)))
+        z = max(abs(w.z), 1e-300)
+        Lambda = across / (2 * z * (z + sqrt(across + z * z)))
         chance = 1 - uniform()
         if w.z < 0:
             level *= chance ** (1 / (1 + Lambda))

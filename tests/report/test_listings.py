@@ -60,3 +60,7 @@ def test_the_walk_leaves_as_the_librarys_does(alpha: tuple[float, float], theta:
     theirs = mf.RandomWalk(mf.Smith(mf.GGX(*alpha))).walk(wo, np.random.default_rng(6).random((number, 2))).wi
     spread = np.hypot(left.std(0), theirs.std(0)) / np.sqrt(number)
     assert (abs(left.mean(0) - theirs.mean(0)) < 5 * spread).all()
+
+
+def test_light_along_the_horizon_passes_above_the_surface() -> None:
+    assert listings.walk(Vector(1.0, 0.0, 0.0), 0.5, 0.5, Random(1).random) == (Vector(-1.0, 0.0, 0.0), 0)
